@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "luminaire/luminaire.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "math/simd.h"
+
+namespace penumbra {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+/// Unit square to the square around the unit disk's centre, [0,1]^2 again, uniformly in area and with little
+/// distortion (Shirley and Chiu 1997): the coordinates are those of the parallelogram around the ellipse.
+void square_to_disk(const float* u, const float* v, uint32_t count, float* s, float* t) {
+  for (uint32_t i = 0; i < count; ++i) {
+    const float a = 2 * u[i] - 1, b = 2 * v[i] - 1;
+    const bool wide = std::abs(a) > std::abs(b);
+    const float radius = wide ? a : b;
+    const float ratio = radius == 0 ? 0 : (wide ? b : a) / radius;
+    const float angle = float(kPi / 4) * ratio;
+    const float c = std::cos(angle) * radius, d = std::sin(angle) * radius;
+    s[i] = 0.5f + 0.5f * (wide ? c : d);
+    t[i] = 0.5f + 0.5f * (wide ? d : c);
+  }
+}
+
+struct FormFactorTerms {
+  float origin[3], edge_u[3], edge_v[3];  // of the luminaire, relative to the shading point
+  float surface_normal[3], light_normal[3];
+  float scale;  // area / pi
+};
+
+/// Directions and cos cos' / r^2 terms. A direction of no or infinite length gives 0, as do both horizons.
+PENUMBRA_VECTORIZED
+void evaluate_form_factor(const FormFactorTerms& g, const float* s, const float* t, uint32_t count,
+                          LightPoints& out) {
+  for (uint32_t i = 0; i < count; ++i) {
+    const float dx = g.origin[0] + (s[i] * g.edge_u[0] + t[i] * g.edge_v[0]);
+    const float dy = g.origin[1] + (s[i] * g.edge_u[1] + t[i] * g.edge_v[1]);
+    const float dz = g.origin[2] + (s[i] * g.edge_u[2] + t[i] * g.edge_v[2]);
+    const float cos_surface = dx * g.surface_normal[0] + dy * g.surface_normal[1] + dz * g.surface_normal[2];
+    const float cos_light = -(dx * g.light_normal[0] + dy * g.light_normal[1] + dz * g.light_normal[2]);
+    const float inverse = 1.0f / (dx * dx + dy * dy + dz * dz);
+    const float value = (cos_surface * inverse) * (cos_light * inverse) * g.scale;
+    out.x[i] = dx;
+    out.y[i] = dy;
+    out.z[i] = dz;
+    // Written so that NaN and Inf (a point on the luminaire) fail the test.
+    out.form_factor[i] = cos_surface > 0 && cos_light > 0 && value < 3e38f ? value : 0.0f;
+  }
+}
+
+}  // namespace
+
+double area_of(LuminaireShape shape, const Affine& world_from_light, double size_x, double size_y) {
+  const double parallelogram =
+      length(cross(world_from_light.x_axis * size_x, world_from_light.y_axis * size_y));
+  return shape == LuminaireShape::kEllipse ? parallelogram * kPi / 4 : parallelogram;
+}
+
+Luminaire::Luminaire(const AreaLuminaire& description, const Normalization& normalization)
+    : shape_(description.shape), radiance_(description.radiance), cast_shadow_(description.cast_shadow) {
+  const Affine t = normalization.transform(description.world_from_light);
+  edge_u_ = t.x_axis * description.size_x;
+  edge_v_ = t.y_axis * description.size_y;
+  corner_ = t.origin - edge_u_ * 0.5 - edge_v_ * 0.5;
+  area_ = area_of(shape_, t, description.size_x, description.size_y);
+  normal_ = normalize(cross(edge_u_, edge_v_));
+  // It emits towards local -z, in mirrored and sheared transforms too.
+  if (dot(normal_, t.z_axis) > 0) normal_ = -normal_;
+}
+
+bool Luminaire::unseen_from(const SurfacePoint& surface) const {
+  const Vec3d origin = corner_ - surface.position;
+  if (dot(origin, normal_) >= 0) return true;
+  for (const Vec3d& corner : {origin, origin + edge_u_, origin + edge_v_, origin + edge_u_ + edge_v_})
+    if (dot(corner, surface.normal) > 0) return false;
+  return true;
+}
+
+void Luminaire::evaluate(const SurfacePoint& surface, const float* u, const float* v, uint32_t count,
+                         LightPoints& out) const {
+  alignas(64) float s[kBatch], t[kBatch];
+  if (shape_ == LuminaireShape::kEllipse) {
+    square_to_disk(u, v, count, s, t);
+    u = s;
+    v = t;
+  }
+  const Vec3f origin(corner_ - surface.position);  // subtracted in double
+  const Vec3f edge_u(edge_u_), edge_v(edge_v_), n(surface.normal), l(normal_);
+  const FormFactorTerms terms{{origin.x, origin.y, origin.z},
+                              {edge_u.x, edge_u.y, edge_u.z},
+                              {edge_v.x, edge_v.y, edge_v.z},
+                              {n.x, n.y, n.z},
+                              {l.x, l.y, l.z},
+                              float(area_ / kPi)};
+  evaluate_form_factor(terms, u, v, count, out);
+}
+
+}  // namespace penumbra

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Luminaires as shading points see them: shape, emission, and what each of their points would send.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "scene/normalization.h"
+#include "scene/scene.h"
+#include "scene/surface_point.h"
+
+namespace penumbra {
+
+/// Points handled at a time: four packets keep the vectorised loops long and the arrays in the first cache.
+inline constexpr uint32_t kBatch = 64;
+
+/// Points on one luminaire as seen from one surface point, render space.
+struct LightPoints {
+  /// From the surface point to the point on the luminaire.
+  alignas(64) float x[kBatch], y[kBatch], z[kBatch];
+  /// The summands of eq. (4) with visibility, radiance and albedo left out: area x cos cos' / (pi r^2). Their
+  /// mean is the form factor F, and L = albedo x L_e x F. Zero: no contribution, no ray needed.
+  alignas(64) float form_factor[kBatch];
+};
+
+/// A flat, one-sided luminaire of constant radiance in render space.
+class Luminaire {
+ public:
+  Luminaire(const AreaLuminaire& description, const Normalization& normalization);
+
+  /// The luminaire emits nothing: no power or no area.
+  bool dark() const { return max_abs(radiance_) == 0 || area_ == 0; }
+  /// No point of the luminaire is both above the surface's horizon and facing it: an exact test on the
+  /// corners of the shape's parallelogram.
+  bool unseen_from(const SurfacePoint& surface) const;
+
+  /// Maps points of the unit square to the luminaire, uniformly in area, and evaluates them.
+  void evaluate(const SurfacePoint& surface, const float* u, const float* v, uint32_t count,
+                LightPoints& out) const;
+
+  const Vec3d& radiance() const { return radiance_; }
+  bool casts_shadow() const { return cast_shadow_; }
+
+ private:
+  LuminaireShape shape_;
+  Vec3d corner_, edge_u_, edge_v_;  // of the parallelogram that holds the shape
+  Vec3d normal_;                    // unit, on the emitting side
+  double area_;                     // of the shape, render space
+  Vec3d radiance_;
+  bool cast_shadow_;
+};
+
+/// True area |M x_axis x M y_axis| of a luminaire's shape (world units).
+double area_of(LuminaireShape shape, const Affine& world_from_light, double size_x, double size_y);
+
+}  // namespace penumbra

@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// penumbra_native.Render: a render in progress, its pixels and its statistics.
+#include <pybind11/stl.h>
+
+#include "math/simd.h"
+#include "python/arrays.h"
+#include "python/bindings.h"
+#include "render/renderer.h"
+
+namespace penumbra::python {
+namespace {
+
+/// Reads one setting: the value's type is checked, and an error names the setting.
+template <typename T>
+T setting(const py::dict& given, const char* name, const T& standard) {
+  if (!given.contains(name)) return standard;
+  try {
+    return given[name].cast<T>();
+  } catch (const py::cast_error&) {
+    throw py::value_error(std::string(name) + " is " + py::repr(given[name]).cast<std::string>() +
+                          ", which is out of range or of the wrong type");
+  }
+}
+
+RenderSettings read_settings(const py::dict& given) {
+  static const std::vector<std::string> known{
+      "width",          "height",        "region",          "stop_rule",
+      "sampler",        "sample_reuse",  "light_samples",   "max_light_samples",
+      "check_interval", "pixel_samples", "filter_type",     "filter_width",
+      "mirror_depth",   "seed",          "error_tolerance", "exposure",
+      "threads",        "passes"};
+  for (const auto& item : given) {
+    const auto name = py::str(item.first).cast<std::string>();
+    if (std::find(known.begin(), known.end(), name) == known.end())
+      throw py::value_error("there is no setting named '" + name + "'");
+  }
+  RenderSettings s;
+  s.width = setting(given, "width", s.width);
+  s.height = setting(given, "height", s.height);
+  if (given.contains("region")) {
+    const auto r = setting(given, "region", std::array<uint32_t, 4>{});
+    if (r[2] == 0 || r[3] == 0) throw py::value_error("region is empty");
+    s.region = {r[0], r[1], r[2], r[3]};
+  }
+  s.stop_rule = stop_rule_from_name(setting<std::string>(given, "stop_rule", "PAPER"));
+  s.sampler = sampler_from_name(setting<std::string>(given, "sampler", "OWEN_SOBOL"));
+  s.sample_reuse = reuse_from_name(setting<std::string>(given, "sample_reuse", "SCRAMBLED"));
+  s.filter_type = filter_from_name(setting<std::string>(given, "filter_type", "BLACKMAN_HARRIS"));
+  s.light_samples = setting(given, "light_samples", s.light_samples);
+  s.max_light_samples = setting(given, "max_light_samples", s.max_light_samples);
+  s.check_interval = setting(given, "check_interval", s.check_interval);
+  s.pixel_samples = setting(given, "pixel_samples", s.pixel_samples);
+  s.filter_width = setting(given, "filter_width", s.filter_width);
+  s.mirror_depth = setting(given, "mirror_depth", s.mirror_depth);
+  // Blender's seeds are signed; all 32 bits count.
+  s.seed = uint32_t(setting<int64_t>(given, "seed", 0));
+  s.error_tolerance = setting(given, "error_tolerance", s.error_tolerance);
+  s.exposure = setting(given, "exposure", s.exposure);
+  s.threads = setting(given, "threads", s.threads);
+  s.passes = setting(given, "passes", s.passes);
+  if (std::find(s.passes.begin(), s.passes.end(), "Combined") == s.passes.end())
+    s.passes.emplace_back("Combined");
+  return s;
+}
+
+/// Keeps what the renderer reads alive, and remembers what statistics need.
+class PythonRender {
+ public:
+  PythonRender(PythonScene& scene, const py::dict& settings) {
+    const RenderSettings read = read_settings(settings).validated();
+    scene.scene->camera();  // refuses a scene without one before the long part
+    {
+      const py::gil_scoped_release release;
+      scene.build();
+      renderer_ =
+          std::make_unique<Renderer>(std::make_shared<const Scene>(*scene.scene), scene.geometry, read);
+    }
+    geometry_ = scene.geometry;
+    build_seconds_ = scene.build_seconds;
+    scene_hash_ = scene.scene->hash();
+    luminaires_ = scene.scene->luminaires().size();
+  }
+
+  Renderer& renderer() { return *renderer_; }
+
+  py::array_t<float> read(const std::string& name, uint32_t x, uint32_t y, uint32_t width,
+                          uint32_t height) const {
+    const Film& film = renderer_->film();
+    const Rectangle& region = film.region();
+    if (uint64_t(x) + width > region.width || uint64_t(y) + height > region.height)
+      throw py::value_error("the block reaches beyond the rendered region");
+    return copy_block(film.pass(name), region.width, pass_channels(name), x, y, width, height);
+  }
+
+  py::dict passes() const {
+    py::dict result;
+    const Rectangle& region = renderer_->film().region();
+    for (const std::string& name : renderer_->settings().passes) {
+      py::array block = read(name, 0, 0, region.width, region.height);
+      result[py::str(name)] =
+          block.reshape({py::ssize_t(region.height), py::ssize_t(region.width), py::ssize_t(-1)});
+    }
+    return result;
+  }
+
+  py::dict statistics() const {
+    using py::literals::operator""_a;
+    const RenderStatistics& s = renderer_->statistics();
+    const TileTally& t = s.tally;
+    char hash[17];
+    std::snprintf(hash, sizeof(hash), "%016llx", static_cast<unsigned long long>(scene_hash_));
+    std::vector<std::string> warnings;
+    if (t.non_finite_pixels)
+      warnings.push_back(std::to_string(t.non_finite_pixels) +
+                         " pixels were not finite and are black, the first is " + t.first_non_finite);
+    return py::dict(
+        "version"_a = kVersion, "build"_a = PENUMBRA_BUILD, "isa"_a = vector_isa(),
+        "scene_hash"_a = std::string(hash), "triangles"_a = geometry_->triangles(),
+        "meshes"_a = geometry_->meshes(), "instances"_a = geometry_->instances(),
+        "luminaires"_a = luminaires_,
+        "seconds"_a = py::dict("build"_a = build_seconds_, "render"_a = s.seconds),
+        "primary_rays"_a = t.primary_rays, "mirror_rays"_a = t.mirror_rays,
+        "shadow_rays"_a = t.light.shadow_rays, "shadow_rays_beyond_stop"_a = t.light.shadow_rays_beyond_stop,
+        "light_points"_a = t.light.light_points, "points_without_ray"_a = t.light.decided_without_ray,
+        "pixels_at_sample_limit"_a = t.pixels_at_limit, "non_finite_pixels"_a = t.non_finite_pixels,
+        "error_tolerance"_a = renderer_->settings().error_tolerance,
+        "error_estimate"_a = py::dict("mean"_a = s.error_mean, "p99"_a = s.error_p99, "max"_a = s.error_max),
+        "warnings"_a = warnings);
+  }
+
+ private:
+  std::shared_ptr<const Geometry> geometry_;
+  std::unique_ptr<Renderer> renderer_;
+  double build_seconds_ = 0;
+  uint64_t scene_hash_ = 0;
+  size_t luminaires_ = 0;
+};
+
+}  // namespace
+
+void bind_render(py::module_& module) {
+  using Released = py::call_guard<py::gil_scoped_release>;
+  py::class_<PythonRender>(module, "Render", R"(One render of a scene.
+
+settings: a dict with width and height in pixels, and any of the add-on's settings by their names; further `region`
+(x, y, width, height), `exposure` (stops), `threads` (0: all) and `passes` (names). Raises ValueError that names the
+setting. Building the acceleration structure happens here, once a scene; RuntimeError or MemoryError if it fails.)")
+      .def(py::init<PythonScene&, const py::dict&>(), py::arg("scene"), py::arg("settings"),
+           py::keep_alive<1, 2>())
+      .def(
+          "start", [](PythonRender& self) { self.renderer().start(); },
+          "Starts the threads and returns at once.")
+      .def(
+          "wait",
+          [](PythonRender& self, double seconds) {
+            std::vector<Rectangle> finished;
+            {
+              const py::gil_scoped_release release;
+              finished = self.renderer().wait(seconds);
+            }
+            py::list result;
+            for (const Rectangle& r : finished) result.append(py::make_tuple(r.x, r.y, r.width, r.height));
+            return result;
+          },
+          py::arg("seconds"),
+          "Waits at most so long; returns the blocks (x, y, width, height) finished since, bottom left "
+          "origin, in the region.")
+      .def(
+          "cancel", [](PythonRender& self) { self.renderer().cancel(); },
+          "Asks the threads to stop after their tile.")
+      .def(
+          "finish", [](PythonRender& self) { self.renderer().finish(); }, Released(),
+          "Waits for the threads. Raises what failed in one of them. May be called again.")
+      .def_property_readonly("done", [](PythonRender& self) { return self.renderer().done(); })
+      .def_property_readonly(
+          "progress", [](PythonRender& self) { return self.renderer().progress(); }, "0 ... 1")
+      .def("read", &PythonRender::read, py::arg("name"), py::arg("x"), py::arg("y"), py::arg("width"),
+           py::arg("height"),
+           "A block of a pass: (height * width, channels) float32, bottom row first, a copy.")
+      .def("passes", &PythonRender::passes,
+           "All passes: name -> (height, width, channels) float32, bottom row first.")
+      .def("statistics", &PythonRender::statistics, "What was done and what it took; of a finished render.");
+}
+
+}  // namespace penumbra::python

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// penumbra_native.Scene: NumPy arrays and plain numbers in, a checked scene out.
+#include <pybind11/stl.h>
+
+#include <chrono>
+#include <stdexcept>
+
+#include "luminaire/luminaire.h"
+#include "python/arrays.h"
+#include "python/bindings.h"
+
+namespace penumbra::python {
+namespace {
+
+using Color = std::array<double, 3>;
+using Pair = std::array<double, 2>;
+
+Vec3d vec(const Color& c) {
+  return {c[0], c[1], c[2]};
+}
+
+uint32_t add_mesh(PythonScene& self, const std::string& name, const py::array& positions,
+                  const py::array& triangles, const std::optional<py::array>& corner_normals,
+                  const std::optional<py::array>& material_slots) {
+  Mesh mesh;
+  mesh.name = name;
+  mesh.positions = read_positions(positions, name);
+  mesh.triangles = read_triangles(triangles, name);
+  if (corner_normals) {
+    check_shape(*corner_normals, {triangles.shape(0), 3, 3}, name, "corner_normals");
+    mesh.corner_normals = read_corner_normals(*corner_normals, name);
+  }
+  if (material_slots) {
+    check_shape(*material_slots, {triangles.shape(0)}, name, "material_slots");
+    mesh.material_slots = read_slots(*material_slots, name);
+  }
+  return self.scene->add_mesh(std::move(mesh));
+}
+
+LuminaireShape shape_from_name(const std::string& shape, const std::string& name) {
+  if (shape == "RECTANGLE") return LuminaireShape::kRectangle;
+  if (shape == "ELLIPSE") return LuminaireShape::kEllipse;
+  throw py::value_error(name + ": shape is '" + shape + "', expected RECTANGLE or ELLIPSE");
+}
+
+void add_area_light(PythonScene& self, const std::string& name, const std::string& shape,
+                    const py::array& world_from_light, const Pair& size, const Color& radiance,
+                    bool cast_shadow) {
+  self.scene->add_luminaire({name, shape_from_name(shape, name),
+                             read_transform(world_from_light, name, "world_from_light"), size[0], size[1],
+                             vec(radiance), cast_shadow});
+}
+
+void set_camera(PythonScene& self, const std::string& kind, const py::array& world_from_camera,
+                const std::array<double, 4>& window, const Pair& clip) {
+  if (kind != "PERSPECTIVE" && kind != "ORTHOGRAPHIC")
+    throw py::value_error("camera: kind is '" + kind + "', expected PERSPECTIVE or ORTHOGRAPHIC");
+  self.scene->set_camera({kind == "PERSPECTIVE" ? CameraKind::kPerspective : CameraKind::kOrthographic,
+                          read_transform(world_from_camera, "camera", "world_from_camera"), window[0],
+                          window[1], window[2], window[3], clip[0], clip[1]});
+}
+
+}  // namespace
+
+void PythonScene::build() {
+  if (geometry) return;
+  const auto begin = std::chrono::steady_clock::now();
+  geometry = std::make_shared<Geometry>(scene->release_meshes(), scene->release_instances());
+  build_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+void bind_scene(py::module_& module) {
+  py::class_<PythonScene>(module, "Scene",
+                          R"(What is to be rendered, in world space (metres), double precision.
+
+Every method raises ValueError with the object's name in the text where its arguments make no sense. Arrays are
+copied. Once a Render was made of the scene, meshes and instances are fixed; the rest may still change.)")
+      .def(py::init<>())
+      .def("add_mesh", &add_mesh, py::arg("name"), py::arg("positions"), py::arg("triangles"),
+           py::arg("corner_normals") = py::none(), py::arg("material_slots") = py::none(),
+           R"(Adds triangles in object space and returns the mesh's number.
+
+positions: (V, 3) float32 or float64. triangles: (T, 3) integers, vertex indices. corner_normals: (T, 3, 3) float
+in object space, or None for flat shading. material_slots: (T,) integers, or None for slot 0.)")
+      .def(
+          "add_material",
+          [](PythonScene& self, const std::string& name, const Color& diffuse, const Color& phong,
+             double exponent, const Color& mirror) {
+            return self.scene->add_material({name, vec(diffuse), vec(phong), vec(mirror), exponent});
+          },
+          py::arg("name"), py::arg("diffuse"), py::arg("phong") = Color{0, 0, 0},
+          py::arg("phong_exponent") = 0.0, py::arg("mirror") = Color{0, 0, 0},
+          R"(Adds the paper's BRDF, mirror + Phong + diffuse, by its albedos (r, g, b), which may add up to 1 at most.
+
+Returns the material's number.)")
+      .def(
+          "add_instance",
+          [](PythonScene& self, const std::string& name, uint32_t mesh, const py::array& world_from_object,
+             const std::vector<uint32_t>& materials) {
+            self.scene->add_instance(
+                {name, mesh, read_transform(world_from_object, name, "world_from_object"), materials});
+          },
+          py::arg("name"), py::arg("mesh"), py::arg("world_from_object"), py::arg("materials"),
+          R"(Places a mesh. world_from_object: (4, 4) float64. materials: numbers of materials, one a slot; slots beyond
+the end use the last one.)")
+      .def("add_area_light", &add_area_light, py::arg("name"), py::arg("shape"), py::arg("world_from_light"),
+           py::arg("size"), py::arg("radiance"), py::arg("cast_shadow") = true,
+           R"(Adds a flat, one-sided luminaire in its local xy plane, emitting towards local -z.
+
+shape: RECTANGLE or ELLIPSE. size: full extents (x, y) before the transform. radiance: (r, g, b), W/(sr m^2).)")
+      .def_static(
+          "area_of",
+          [](const std::string& shape, const py::array& world_from_light, const Pair& size) {
+            return area_of(shape_from_name(shape, "area_of"),
+                           read_transform(world_from_light, "area_of", "world_from_light"), size[0], size[1]);
+          },
+          py::arg("shape"), py::arg("world_from_light"), py::arg("size"),
+          "True area |M x_axis x M y_axis| of a luminaire, m^2.")
+      .def(
+          "set_camera", &set_camera, py::arg("kind"), py::arg("world_from_camera"), py::arg("window"),
+          py::arg("clip"),
+          R"(kind: PERSPECTIVE or ORTHOGRAPHIC, looking along local -z. window: (left, right, bottom, top) of the full
+frame, in the plane z = -1 or in world units. clip: (start, end) along the view axis.)")
+      .def(
+          "set_background",
+          [](PythonScene& self, const Color& color, bool transparent) {
+            self.scene->set_background({vec(color), transparent});
+          },
+          py::arg("color"), py::arg("transparent") = false,
+          "Radiance (r, g, b) seen where nothing is hit; transparent: alpha 0 there for the camera.");
+}
+
+}  // namespace penumbra::python

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Primary rays through points of the image plane.
+#pragma once
+
+#include "scene/normalization.h"
+#include "scene/scene.h"
+#include "visibility/geometry.h"
+
+namespace penumbra {
+
+/// A ray's t is the distance along the view axis in world units, the same for both kinds of camera: what the
+/// Depth pass shows, and what the clip range is about.
+class CameraRays {
+ public:
+  CameraRays(const Camera& camera, const Normalization& normalization, uint32_t width, uint32_t height)
+      : camera_(camera),
+        render_from_camera_(normalization.transform(camera.world_from_camera)),
+        step_x_((camera.right - camera.left) / width),
+        step_y_((camera.top - camera.bottom) / height) {}
+
+  /// Through the point (x, y) of the full frame, in pixels from its bottom left corner.
+  Ray through(double x, double y) const {
+    const double u = camera_.left + x * step_x_, v = camera_.bottom + y * step_y_;
+    const bool perspective = camera_.kind == CameraKind::kPerspective;
+    const Vec3d origin = perspective ? Vec3d{} : Vec3d{u, v, 0};
+    const Vec3d direction = perspective ? Vec3d{u, v, -1} : Vec3d{0, 0, -1};
+    return {render_from_camera_.point(origin), render_from_camera_.vector(direction), camera_.clip_start,
+            camera_.clip_end};
+  }
+
+ private:
+  Camera camera_;
+  Affine render_from_camera_;
+  double step_x_, step_y_;  // of a pixel, in the window's units
+};
+
+}  // namespace penumbra

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "render/film.h"
+
+#include <cmath>
+#include <stdexcept>
+
+namespace penumbra {
+
+uint32_t pass_channels(const std::string& name) {
+  static const std::map<std::string, uint32_t> channels{{"Combined", 4},      {"Depth", 1},
+                                                        {"Normal", 3},        {"Position", 3},
+                                                        {"Light Samples", 1}, {"Error Estimate", 1}};
+  const auto found = channels.find(name);
+  return found == channels.end() ? 0 : found->second;
+}
+
+Film::Film(const Rectangle& region, const std::vector<std::string>& passes) : region_(region) {
+  for (const std::string& name : passes)
+    passes_[name].resize(size_t(region.width) * region.height * pass_channels(name));
+  combined_ = find("Combined");
+  depth_ = find("Depth");
+  normal_ = find("Normal");
+  position_ = find("Position");
+  light_samples_ = find("Light Samples");
+  error_estimate_ = find("Error Estimate");
+}
+
+std::vector<float>* Film::find(const std::string& name) {
+  const auto found = passes_.find(name);
+  return found == passes_.end() ? nullptr : &found->second;
+}
+
+const std::vector<float>& Film::pass(const std::string& name) const {
+  const auto found = passes_.find(name);
+  if (found == passes_.end()) throw std::invalid_argument("the pass '" + name + "' was not rendered");
+  return found->second;
+}
+
+bool Film::write(uint32_t x, uint32_t y, const PixelValues& values) {
+  const size_t pixel = size_t(y - region_.y) * region_.width + (x - region_.x);
+  bool clean = true;
+  const auto store = [&](std::vector<float>* pass, uint32_t channels, std::initializer_list<double> numbers) {
+    if (!pass) return;
+    float* out = pass->data() + pixel * channels;
+    for (double number : numbers) {
+      const float rounded = float(number);
+      clean = clean && std::isfinite(rounded);
+      *out++ = std::isfinite(rounded) ? rounded : 0.0f;
+    }
+  };
+  const auto store3 = [&](std::vector<float>* pass, const Vec3d& v) { store(pass, 3, {v.x, v.y, v.z}); };
+  store(combined_, 4, {values.combined.x, values.combined.y, values.combined.z, values.alpha});
+  store(depth_, 1, {values.depth});
+  store3(normal_, values.normal);
+  store3(position_, values.position);
+  store(light_samples_, 1, {values.light_samples});
+  store(error_estimate_, 1, {values.error_estimate});
+  return !clean;
+}
+
+}  // namespace penumbra

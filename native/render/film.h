@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The passes of the rendered region, as 32-bit floats. Row 0 is the bottom one, as in Blender.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "render/settings.h"
+
+namespace penumbra {
+
+/// Channels of a pass of that name; 0 where there is none.
+uint32_t pass_channels(const std::string& name);
+
+/// One pixel's values for every pass.
+struct PixelValues {
+  Vec3d combined;
+  double alpha = 0;
+  double depth = 0;        // along the view axis, world units; kNoDepth where nothing is hit
+  Vec3d normal, position;  // world space; zero where nothing is hit
+  double light_samples = 0;
+  double error_estimate = 0;  // display units
+
+  static constexpr double kNoDepth = 1e10;  // Blender's own value
+};
+
+class Film {
+ public:
+  Film(const Rectangle& region, const std::vector<std::string>& passes);
+
+  /// x, y: full-frame pixel inside the region. Threads may write different pixels at the same time. A value
+  /// that is not finite is written as zero; returns whether there was one.
+  bool write(uint32_t x, uint32_t y, const PixelValues& values);
+
+  const Rectangle& region() const { return region_; }
+  bool has(const std::string& name) const { return passes_.count(name) > 0; }
+  /// Width x height x channels values. Throws std::invalid_argument for a pass that was not asked for.
+  const std::vector<float>& pass(const std::string& name) const;
+
+ private:
+  std::vector<float>* find(const std::string& name);
+
+  Rectangle region_;
+  std::map<std::string, std::vector<float>> passes_;
+  std::vector<float>*combined_, *depth_, *normal_, *position_, *light_samples_, *error_estimate_;
+};
+
+}  // namespace penumbra

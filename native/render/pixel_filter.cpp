@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "render/pixel_filter.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace penumbra {
+namespace {
+
+/// Integral of the four-term Blackman-Harris window (F. J. Harris 1978, 92 dB) over [0, x], x in [0, 1]; the
+/// cosine terms integrate to zero over the whole, so that its value at 1 is the constant term.
+double blackman_harris_integral(double x) {
+  constexpr double kA[4] = {0.35875, 0.48829, 0.14128, 0.01168};
+  double sum = kA[0] * x;
+  for (int k = 1; k < 4; ++k) {
+    const double frequency = 2 * std::numbers::pi * k;
+    sum += (k % 2 ? -1 : 1) * kA[k] * std::sin(frequency * x) / frequency;
+  }
+  return sum / kA[0];
+}
+
+constexpr int kIntervals = 1024;
+
+}  // namespace
+
+PixelFilter::PixelFilter(FilterKind kind, double width) : width_(width) {
+  if (kind == FilterKind::kBox) return;
+  cumulative_.resize(kIntervals + 1);
+  for (int i = 0; i <= kIntervals; ++i) cumulative_[i] = blackman_harris_integral(double(i) / kIntervals);
+}
+
+double PixelFilter::offset(double x) const {
+  if (cumulative_.empty()) return (x - 0.5) * width_;
+  // Linear between the table's places: the filter becomes a histogram of 1024 steps.
+  const auto above = std::upper_bound(cumulative_.begin() + 1, cumulative_.end() - 1, x);
+  const double low = *(above - 1), high = *above;
+  const double fraction = high > low ? (x - low) / (high - low) : 0.5;
+  return ((double(above - 1 - cumulative_.begin()) + fraction) / kIntervals - 0.5) * width_;
+}
+
+}  // namespace penumbra

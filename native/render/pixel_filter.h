@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The pixel filter, importance sampled: a uniform variate becomes an offset from the pixel's centre.
+#pragma once
+
+#include <vector>
+
+namespace penumbra {
+
+enum class FilterKind { kBox, kBlackmanHarris };
+
+/// Separable and positive, so that all samples have weight 1.
+class PixelFilter {
+ public:
+  /// width: full support in pixels.
+  PixelFilter(FilterKind kind, double width);
+
+  /// Offset in pixels, distributed as the filter. x in [0, 1).
+  double offset(double x) const;
+
+ private:
+  double width_;
+  std::vector<double>
+      cumulative_;  // of the filter over its support; empty for a box, whose inverse is linear
+};
+
+}  // namespace penumbra

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "render/renderer.h"
+
+#include <algorithm>
+#include <chrono>
+#include <numeric>
+#include <utility>
+
+#include "math/simd.h"
+
+namespace penumbra {
+namespace {
+
+double now() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+/// Places inside pixels: their own Owen-scrambled sequence for each pixel.
+SamplerSettings pixel_sampler_settings(const RenderSettings& settings) {
+  return {SamplerKind::kOwenSobol, SampleReuse::kScrambled, settings.seed, settings.pixel_samples, true};
+}
+
+}  // namespace
+
+Renderer::Renderer(std::shared_ptr<const Scene> scene, std::shared_ptr<const Geometry> geometry,
+                   const RenderSettings& settings)
+    : scene_(std::move(scene)),
+      geometry_(std::move(geometry)),
+      settings_(settings.validated()),
+      film_(settings_.region, settings_.passes),
+      light_sampler_(make_sampler(settings_.sampler_settings())),
+      pixel_sampler_(make_sampler(pixel_sampler_settings(settings_))),
+      filter_(settings_.filter_type, settings_.filter_width),
+      camera_(scene_->camera(), geometry_->normalization(), settings_.width, settings_.height),
+      light_(*geometry_, scene_->luminaires(), *light_sampler_, settings_.stop_settings()) {
+  make_buckets();
+}
+
+Renderer::~Renderer() {
+  cancel();
+  for (std::thread& thread : threads_)
+    if (thread.joinable()) thread.join();
+}
+
+void Renderer::make_buckets() {
+  const Rectangle& region = settings_.region;
+  const uint32_t right = region.x + region.width, top = region.y + region.height;
+  for (uint32_t y = region.y / kBucket * kBucket; y < top; y += kBucket) {
+    for (uint32_t x = region.x / kBucket * kBucket; x < right; x += kBucket) {
+      auto bucket = std::make_unique<Bucket>();
+      const uint32_t x0 = std::max(x, region.x), y0 = std::max(y, region.y);
+      const uint32_t x1 = std::min(x + kBucket, right), y1 = std::min(y + kBucket, top);
+      bucket->area = {x0, y0, x1 - x0, y1 - y0};
+      for (uint32_t ty = y0 / kTile * kTile; ty < y1; ty += kTile)
+        for (uint32_t tx = x0 / kTile * kTile; tx < x1; tx += kTile) {
+          work_.emplace_back(uint32_t(buckets_.size()), uint32_t(bucket->tiles.size()));
+          bucket->tiles.push_back({tx, ty, kTile, kTile});
+        }
+      bucket->tiles_left = uint32_t(bucket->tiles.size());
+      buckets_.push_back(std::move(bucket));
+    }
+  }
+}
+
+void Renderer::start() {
+  if (!threads_.empty()) return;
+  uint32_t count = settings_.threads ? settings_.threads : std::max(1u, std::thread::hardware_concurrency());
+  count = uint32_t(std::min<size_t>(count, work_.size()));
+  tallies_.resize(count);
+  working_ = count;
+  const double begin = now();
+  for (uint32_t i = 0; i < count; ++i) {
+    threads_.emplace_back([this, i, begin] {
+      try {
+        flush_denormals();
+        work(tallies_[i]);
+      } catch (...) {
+        cancelled_ = true;
+        const std::lock_guard lock(mutex_);
+        if (!failure_) failure_ = std::current_exception();
+      }
+      const std::lock_guard lock(mutex_);
+      if (--working_ == 0) statistics_.seconds = now() - begin;
+      changed_.notify_all();
+    });
+  }
+}
+
+void Renderer::work(TileTally& tally) {
+  const TileContext context{settings_, *scene_, *geometry_, camera_, light_, filter_, *pixel_sampler_, film_};
+  while (!cancelled_) {
+    const size_t i = next_++;
+    if (i >= work_.size()) return;
+    Bucket& bucket = *buckets_[work_[i].first];
+    const Rectangle& tile = bucket.tiles[work_[i].second];
+    render_tile(context, tile.x, tile.y, tally);
+    ++tiles_done_;
+    if (--bucket.tiles_left == 0) {
+      const Rectangle& area = bucket.area;
+      const std::lock_guard lock(mutex_);
+      finished_.push_back(
+          {area.x - settings_.region.x, area.y - settings_.region.y, area.width, area.height});
+      changed_.notify_all();
+    }
+  }
+}
+
+std::vector<Rectangle> Renderer::wait(double seconds) {
+  std::unique_lock lock(mutex_);
+  changed_.wait_for(lock, std::chrono::duration<double>(seconds),
+                    [this] { return !finished_.empty() || working_ == 0; });
+  return std::exchange(finished_, {});
+}
+
+bool Renderer::done() const {
+  const std::lock_guard lock(mutex_);
+  return working_ == 0 && finished_.empty();
+}
+
+double Renderer::progress() const {
+  return work_.empty() ? 1.0 : double(tiles_done_) / double(work_.size());
+}
+
+void Renderer::finish() {
+  for (std::thread& thread : threads_)
+    if (thread.joinable()) thread.join();
+  if (failure_) std::rethrow_exception(failure_);
+  summarize();
+}
+
+void Renderer::summarize() {
+  TileTally sum;
+  for (const TileTally& tally : tallies_) {
+    sum.light += tally.light;
+    sum.primary_rays += tally.primary_rays;
+    sum.mirror_rays += tally.mirror_rays;
+    sum.pixels_at_limit += tally.pixels_at_limit;
+    sum.non_finite_pixels += tally.non_finite_pixels;
+    if (sum.first_non_finite.empty()) sum.first_non_finite = tally.first_non_finite;
+    sum.error_estimates.insert(sum.error_estimates.end(), tally.error_estimates.begin(),
+                               tally.error_estimates.end());
+  }
+  std::vector<float>& errors = sum.error_estimates;
+  std::sort(errors.begin(), errors.end());  // so that sums do not depend on the threads either
+  if (!errors.empty()) {
+    statistics_.error_mean = std::accumulate(errors.begin(), errors.end(), 0.0) / double(errors.size());
+    statistics_.error_p99 = errors[(errors.size() - 1) * 99 / 100];
+    statistics_.error_max = errors.back();
+  }
+  statistics_.tally = std::move(sum);
+}
+
+}  // namespace penumbra

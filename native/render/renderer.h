@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A render in progress: threads over tiles, what is finished so far, cancel and statistics.
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <exception>
+#include <memory>
+#include <mutex>
+#include <thread>
+
+#include "render/tile.h"
+
+namespace penumbra {
+
+struct RenderStatistics {
+  TileTally tally;
+  double seconds = 0;  // from start() to the last tile
+  double error_mean = 0, error_p99 = 0, error_max = 0;
+};
+
+/// Threads take tiles from one atomic counter. Results do not depend on who renders what, or when.
+class Renderer {
+ public:
+  /// Side in pixels of a bucket, the unit in which finished pixels are reported; a multiple of kTile.
+  static constexpr uint32_t kBucket = 64;
+
+  /// Throws std::invalid_argument for settings that are out of range or do not fit together. The scene must
+  /// not be changed before the render ends.
+  Renderer(std::shared_ptr<const Scene> scene, std::shared_ptr<const Geometry> geometry,
+           const RenderSettings& settings);
+  ~Renderer();
+
+  void start();
+  /// Buckets finished since the last call, relative to the region; waits for the first at most so long.
+  std::vector<Rectangle> wait(double seconds);
+  /// Every bucket was reported, or the render was cancelled or failed and its threads are idle.
+  bool done() const;
+  double progress() const;
+  void cancel() { cancelled_ = true; }
+  /// Waits for the threads; rethrows what a worker threw.
+  void finish();
+
+  const Film& film() const { return film_; }
+  const RenderSettings& settings() const { return settings_; }
+  /// Of a finished render; before finish() of nothing yet.
+  const RenderStatistics& statistics() const { return statistics_; }
+
+ private:
+  struct Bucket {
+    Rectangle area;                // full frame, clipped to the region
+    std::vector<Rectangle> tiles;  // full frame, aligned
+    std::atomic<uint32_t> tiles_left{0};
+  };
+
+  void make_buckets();
+  void work(TileTally& tally);
+  void summarize();
+
+  std::shared_ptr<const Scene> scene_;
+  std::shared_ptr<const Geometry> geometry_;
+  RenderSettings settings_;
+  Film film_;
+  std::unique_ptr<Sampler> light_sampler_, pixel_sampler_;
+  PixelFilter filter_;
+  CameraRays camera_;
+  DirectLight light_;
+
+  std::vector<std::unique_ptr<Bucket>> buckets_;
+  std::vector<std::pair<uint32_t, uint32_t>> work_;  // bucket, tile of it
+  std::atomic<size_t> next_{0}, tiles_done_{0};
+  std::atomic<bool> cancelled_{false};
+  std::atomic<uint32_t> working_{0};
+
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  std::vector<Rectangle> finished_;
+  std::exception_ptr failure_;
+
+  std::vector<std::thread> threads_;
+  std::vector<TileTally> tallies_;
+  RenderStatistics statistics_;
+};
+
+}  // namespace penumbra

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "render/settings.h"
+
+#include <cmath>
+#include <stdexcept>
+
+#include "render/film.h"
+
+namespace penumbra {
+namespace {
+
+/// Film of more pixels than this is refused before any memory is taken.
+constexpr uint64_t kMostPixels = uint64_t(1) << 30;
+constexpr uint32_t kMostSamples = 1u << 24;
+
+void require(bool condition, const std::string& message) {
+  if (!condition) throw std::invalid_argument(message);
+}
+
+void require_samples(const char* name, uint32_t value) {
+  require(value >= 1 && value <= kMostSamples, std::string(name) + " must lie in 1 ... " +
+                                                   std::to_string(kMostSamples) + ", not " +
+                                                   std::to_string(value));
+}
+
+}  // namespace
+
+RenderSettings RenderSettings::validated() const {
+  require(width > 0 && height > 0, "width and height must be at least one pixel");
+  require(uint64_t(width) * height <= kMostPixels, "width x height is more than 2^30 pixels");
+  RenderSettings s = *this;
+  if (s.region.width == 0 && s.region.height == 0) s.region = {0, 0, width, height};
+  require(s.region.width > 0 && s.region.height > 0, "the region is empty");
+  require(uint64_t(s.region.x) + s.region.width <= width && uint64_t(s.region.y) + s.region.height <= height,
+          "the region reaches beyond the frame");
+  require_samples("light_samples", light_samples);
+  require_samples("max_light_samples", max_light_samples);
+  require_samples("pixel_samples", pixel_samples);
+  require(check_interval >= 1 && check_interval <= kMostSamples, "check_interval must be at least 1");
+  require(std::isfinite(error_tolerance) && error_tolerance > 0,
+          "error_tolerance must be positive and finite");
+  require(std::isfinite(exposure) && std::abs(exposure) <= 100, "exposure must lie in -100 ... 100 stops");
+  require(std::isfinite(filter_width) && filter_width > 0 && filter_width <= 10,
+          "filter_width must lie in 0 ... 10 pixels");
+  require(mirror_depth <= 1024, "mirror_depth must be at most 1024");
+  require(threads <= 1024, "threads must be at most 1024");
+  if (sampler == SamplerKind::kSprs) {
+    require(stop_rule == StopRuleKind::kFixed,
+            "sampler SPRS can't grow: it needs stop_rule FIXED, since its grid is laid out beforehand");
+    const auto side = uint32_t(std::lround(std::sqrt(double(light_samples))));
+    require(side * side == light_samples,
+            "sampler SPRS needs a square number of light_samples, not " + std::to_string(light_samples));
+  }
+  if (stop_rule == StopRuleKind::kPaper)
+    require(max_light_samples >= 2 * check_interval,
+            "stop_rule PAPER first compares at 2 x check_interval points: max_light_samples is below that");
+  for (const std::string& name : passes)
+    require(pass_channels(name) > 0, "there is no pass named '" + name + "'");
+  return s;
+}
+
+StopSettings RenderSettings::stop_settings() const {
+  return {stop_rule, light_samples, max_light_samples, check_interval, error_tolerance / std::exp2(exposure)};
+}
+
+SamplerSettings RenderSettings::sampler_settings() const {
+  return {sampler, sample_reuse, seed, stop_settings().limit(), stop_rule == StopRuleKind::kFixed};
+}
+
+}  // namespace penumbra

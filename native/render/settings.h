@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What a render is asked for. Names and defaults are those of the add-on's settings.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "lighting/stop_rule.h"
+#include "render/pixel_filter.h"
+#include "sampling/sampler.h"
+
+namespace penumbra {
+
+/// Pixels of the full frame, origin bottom left.
+struct Rectangle {
+  uint32_t x = 0, y = 0, width = 0, height = 0;
+};
+
+struct RenderSettings {
+  uint32_t width = 0, height = 0;  // full frame
+  Rectangle region;                // what is rendered; all where its width is 0
+
+  StopRuleKind stop_rule = StopRuleKind::kPaper;
+  SamplerKind sampler = SamplerKind::kOwenSobol;
+  SampleReuse sample_reuse = SampleReuse::kScrambled;
+  uint32_t light_samples = 64;
+  uint32_t max_light_samples = 8192;
+  uint32_t check_interval = 5;
+  uint32_t pixel_samples = 1;
+  FilterKind filter_type = FilterKind::kBlackmanHarris;
+  double filter_width = 1.5;  // pixels
+  uint32_t mirror_depth = 4;
+  uint32_t seed = 0;
+  double error_tolerance = 0.004;  // display units
+  double exposure = 0;             // stops: display = radiance x 2^exposure
+  uint32_t threads = 0;            // 0: one for each processor
+  std::vector<std::string> passes{"Combined"};
+
+  /// Checks every setting and each combination; throws std::invalid_argument naming the settings. Returns a
+  /// copy with the region filled in.
+  RenderSettings validated() const;
+
+  StopSettings stop_settings() const;
+  SamplerSettings sampler_settings() const;
+};
+
+}  // namespace penumbra

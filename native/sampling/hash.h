@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Counter-based hashing: what makes a sample depend on (pixel, seed, luminaire, index) alone.
+#pragma once
+
+#include <cstdint>
+
+namespace penumbra {
+
+/// Bijective 64-bit finaliser of SplitMix64 (Steele, Lea, Flood 2014, variant 13 of Stafford's mixers).
+constexpr uint64_t mix_bits(uint64_t x) {
+  x ^= x >> 30;
+  x *= 0xBF58476D1CE4E5B9u;
+  x ^= x >> 27;
+  x *= 0x94D049BB133111EBu;
+  return x ^ (x >> 31);
+}
+
+/// Hash of any number of integers, order-sensitive.
+template <typename... T>
+constexpr uint64_t hash_of(uint64_t first, T... rest) {
+  uint64_t h = mix_bits(first + 0x9E3779B97F4A7C15u);
+  ((h = mix_bits(h ^ (uint64_t(rest) + 0x9E3779B97F4A7C15u))), ...);
+  return h;
+}
+
+constexpr uint32_t reverse_bits(uint32_t x) {
+  x = (x >> 16) | (x << 16);
+  x = ((x & 0x00FF00FFu) << 8) | ((x >> 8) & 0x00FF00FFu);
+  x = ((x & 0x0F0F0F0Fu) << 4) | ((x >> 4) & 0x0F0F0F0Fu);
+  x = ((x & 0x33333333u) << 2) | ((x >> 2) & 0x33333333u);
+  return ((x & 0x55555555u) << 1) | ((x >> 1) & 0x55555555u);
+}
+
+/// Nested uniform (Owen) scrambling of a bit-reversed fraction: bit k of the result depends on bits 0..k of
+/// the input alone. Laine and Karras 2011, with the constants of Burley, JCGT 9(4), 2020.
+constexpr uint32_t owen_scramble_reversed(uint32_t x, uint32_t seed) {
+  x += seed;
+  x ^= x * 0x6C50B47Cu;
+  x ^= x * 0xB82F1E52u;
+  x ^= x * 0xC7AFE638u;
+  x ^= x * 0x8D22F6E6u;
+  return x;
+}
+
+}  // namespace penumbra

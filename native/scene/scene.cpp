@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scene/scene.h"
+
+#include <cstring>
+#include <stdexcept>
+
+#include "sampling/hash.h"
+
+namespace penumbra {
+namespace {
+
+[[noreturn]] void refuse(const std::string& name, const std::string& reason) {
+  throw std::invalid_argument(name + ": " + reason);
+}
+
+bool is_albedo(const Vec3d& a) {
+  return is_finite(a) && std::min({a.x, a.y, a.z}) >= 0 && max_component(a) <= 1;
+}
+
+/// Eight bytes at a time; the rest padded with zeros.
+uint64_t hash_bytes(uint64_t h, const void* data, size_t size) {
+  const auto* bytes = static_cast<const unsigned char*>(data);
+  for (size_t i = 0; i < size; i += 8) {
+    uint64_t word = 0;
+    std::memcpy(&word, bytes + i, std::min<size_t>(8, size - i));
+    h = (h ^ word) * 0x9E3779B97F4A7C15u;
+    h ^= h >> 32;
+  }
+  return mix_bits(h ^ size);
+}
+
+template <typename T>
+uint64_t hash_array(uint64_t h, const std::vector<T>& values) {
+  return hash_bytes(h, values.data(), values.size() * sizeof(T));
+}
+
+}  // namespace
+
+void Scene::check_not_frozen(const std::string& name) const {
+  if (frozen_) refuse(name, "the scene was rendered already: meshes and instances can't be added any more");
+}
+
+uint32_t Scene::add_mesh(Mesh mesh) {
+  check_not_frozen(mesh.name);
+  for (size_t i = 0; i < mesh.positions.size(); ++i)
+    if (!is_finite(mesh.positions[i])) refuse(mesh.name, "vertex " + std::to_string(i) + " is not finite");
+  for (size_t i = 0; i < mesh.triangles.size(); ++i)
+    for (uint32_t index : mesh.triangles[i])
+      if (index >= mesh.positions.size())
+        refuse(mesh.name, "triangle " + std::to_string(i) + " names vertex " + std::to_string(index) +
+                              ", but there are " + std::to_string(mesh.positions.size()));
+  if (!mesh.corner_normals.empty() && mesh.corner_normals.size() != 3 * mesh.triangles.size())
+    refuse(mesh.name, "corner normals do not match the number of triangles");
+  if (!mesh.material_slots.empty() && mesh.material_slots.size() != mesh.triangles.size())
+    refuse(mesh.name, "material slots do not match the number of triangles");
+  hash_ = hash_array(hash_array(hash_, mesh.positions), mesh.triangles);
+  hash_ = hash_array(hash_array(hash_, mesh.corner_normals), mesh.material_slots);
+  meshes_.push_back(std::move(mesh));
+  return uint32_t(meshes_.size() - 1);
+}
+
+uint32_t Scene::add_material(Material material) {
+  const std::string& name = material.name;
+  if (!is_albedo(material.diffuse)) refuse(name, "the diffuse albedo must lie in 0 ... 1");
+  if (!is_albedo(material.phong)) refuse(name, "the Phong albedo must lie in 0 ... 1");
+  if (!is_albedo(material.mirror)) refuse(name, "the mirror albedo must lie in 0 ... 1");
+  constexpr double kRounding = 1e-6;  // colours come as float32
+  if (max_component(material.diffuse + material.phong + material.mirror) > 1 + kRounding)
+    refuse(name, "diffuse, Phong and mirror albedo add up to more than 1");
+  if (!(material.phong_exponent >= 0 && std::isfinite(material.phong_exponent)))
+    refuse(name, "the Phong exponent must be finite and not negative");
+  has_mirrors_ = has_mirrors_ || max_component(material.mirror) > 0;
+  hash_ = hash_bytes(hash_, &material.diffuse, sizeof(Vec3d));
+  hash_ = hash_bytes(hash_, &material.phong, sizeof(Vec3d));
+  hash_ = hash_bytes(hash_, &material.mirror, sizeof(Vec3d));
+  hash_ = hash_bytes(hash_, &material.phong_exponent, sizeof(double));
+  materials_.push_back(std::move(material));
+  return uint32_t(materials_.size() - 1);
+}
+
+void Scene::add_instance(Instance instance) {
+  const std::string& name = instance.name;
+  check_not_frozen(name);
+  if (instance.mesh >= meshes_.size()) refuse(name, "no mesh with number " + std::to_string(instance.mesh));
+  if (!instance.world_from_object.finite()) refuse(name, "the transform is not finite");
+  if (instance.materials.empty()) refuse(name, "no material");
+  for (uint32_t m : instance.materials)
+    if (m >= materials_.size()) refuse(name, "no material with number " + std::to_string(m));
+  hash_ = hash_bytes(hash_, &instance.world_from_object, sizeof(Affine));
+  hash_ = hash_array(hash_of(hash_, instance.mesh), instance.materials);
+  instances_.push_back(std::move(instance));
+}
+
+void Scene::add_luminaire(AreaLuminaire luminaire) {
+  const std::string& name = luminaire.name;
+  if (!luminaire.world_from_light.finite()) refuse(name, "the transform is not finite");
+  if (!(luminaire.size_x >= 0 && luminaire.size_y >= 0 && std::isfinite(luminaire.size_x) &&
+        std::isfinite(luminaire.size_y)))
+    refuse(name, "the size must be finite and not negative");
+  if (!is_finite(luminaire.radiance)) refuse(name, "the radiance is not finite");
+  hash_ = hash_bytes(hash_, &luminaire.world_from_light, sizeof(Affine));
+  hash_ = hash_bytes(hash_, &luminaire.radiance, sizeof(Vec3d));
+  const double shape[3] = {double(luminaire.shape), luminaire.size_x, luminaire.size_y};
+  hash_ = hash_of(hash_bytes(hash_, shape, sizeof(shape)), luminaire.cast_shadow);
+  luminaires_.push_back(std::move(luminaire));
+}
+
+void Scene::set_camera(const Camera& camera) {
+  if (!camera.world_from_camera.finite() || camera.world_from_camera.determinant() == 0)
+    refuse("camera", "the transform is not finite or is singular");
+  if (!(camera.left != camera.right && camera.bottom != camera.top &&
+        std::isfinite(camera.right - camera.left) && std::isfinite(camera.top - camera.bottom)))
+    refuse("camera", "the field of view is empty or not finite");
+  if (!(camera.clip_start < camera.clip_end && std::isfinite(camera.clip_start)))
+    refuse("camera", "the clip start is not before the clip end");
+  camera_ = camera;
+  has_camera_ = true;
+  hash_ = hash_bytes(hash_, &camera.world_from_camera, sizeof(Affine));
+  const double rest[7] = {double(camera.kind), camera.left,       camera.right,   camera.bottom,
+                          camera.top,          camera.clip_start, camera.clip_end};
+  hash_ = hash_bytes(hash_, rest, sizeof(rest));
+}
+
+void Scene::set_background(const Background& background) {
+  if (!is_finite(background.color)) refuse("background", "the colour is not finite");
+  background_ = background;
+  hash_ = hash_of(hash_bytes(hash_, &background.color, sizeof(Vec3d)), background.transparent);
+}
+
+const Camera& Scene::camera() const {
+  if (!has_camera_) refuse("scene", "there is no camera");
+  return camera_;
+}
+
+std::vector<Mesh> Scene::release_meshes() {
+  frozen_ = true;
+  return std::move(meshes_);
+}
+
+std::vector<Instance> Scene::release_instances() {
+  frozen_ = true;
+  return std::move(instances_);
+}
+
+}  // namespace penumbra

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What there is: meshes, instances, luminaires, materials, camera and background, in world space and double.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "math/transform.h"
+
+namespace penumbra {
+
+/// Triangles in object space.
+struct Mesh {
+  std::string name;
+  std::vector<Vec3d> positions;
+  std::vector<std::array<uint32_t, 3>> triangles;
+  std::vector<Vec3f> corner_normals;     // three a triangle, or none: flat
+  std::vector<uint32_t> material_slots;  // one a triangle, or none: slot 0
+};
+
+struct Instance {
+  std::string name;
+  uint32_t mesh;
+  Affine world_from_object;
+  std::vector<uint32_t> materials;  // by slot; slots beyond the end use the last one
+};
+
+/// The paper's BRDF: mirror + Phong + ideal diffuse, each with its albedo (scene linear).
+struct Material {
+  std::string name;
+  Vec3d diffuse, phong, mirror;
+  double phong_exponent = 0;
+};
+
+enum class LuminaireShape { kRectangle, kEllipse };
+
+/// A flat luminaire of constant radiance, centred in its local xy plane and emitting towards local -z.
+struct AreaLuminaire {
+  std::string name;
+  LuminaireShape shape;
+  Affine world_from_light;
+  double size_x, size_y;  // full extents in local space
+  Vec3d radiance;         // W / (sr m^2)
+  bool cast_shadow = true;
+};
+
+enum class CameraKind { kPerspective, kOrthographic };
+
+/// Looks along its local -z. `window` is the full frame in the plane z = -1 (perspective) or in world units.
+struct Camera {
+  CameraKind kind = CameraKind::kPerspective;
+  Affine world_from_camera;
+  double left = -1, right = 1, bottom = -1, top = 1;
+  double clip_start = 0.1, clip_end = 1000;  // along the view axis
+};
+
+struct Background {
+  Vec3d color;
+  bool transparent = false;
+};
+
+/// Adders check what they are given and throw std::invalid_argument with the object's name in the text.
+class Scene {
+ public:
+  uint32_t add_mesh(Mesh mesh);
+  uint32_t add_material(Material material);
+  void add_instance(Instance instance);
+  void add_luminaire(AreaLuminaire luminaire);
+  void set_camera(const Camera& camera);
+  void set_background(const Background& background);
+
+  /// Hands meshes and instances over to whoever builds the acceleration structure. From then on none can be
+  /// added; everything else can still change.
+  std::vector<Mesh> release_meshes();
+  std::vector<Instance> release_instances();
+
+  /// Hash of everything that was added, in its order.
+  uint64_t hash() const { return hash_; }
+
+  const std::vector<Material>& materials() const { return materials_; }
+  const std::vector<AreaLuminaire>& luminaires() const { return luminaires_; }
+  const Camera& camera() const;
+  const Background& background() const { return background_; }
+  bool has_mirrors() const { return has_mirrors_; }
+
+ private:
+  void check_not_frozen(const std::string& name) const;
+
+  std::vector<Mesh> meshes_;
+  std::vector<Instance> instances_;
+  std::vector<Material> materials_;
+  std::vector<AreaLuminaire> luminaires_;
+  Camera camera_;
+  Background background_;
+  bool has_camera_ = false, has_mirrors_ = false, frozen_ = false;
+  uint64_t hash_ = 0;
+};
+
+}  // namespace penumbra

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What a ray finds.
+#pragma once
+
+#include <cstdint>
+
+#include "math/vector.h"
+
+namespace penumbra {
+
+/// A point of a surface in render space, with what shading needs to know.
+struct SurfacePoint {
+  Vec3d position;
+  Vec3d geometric_normal, normal;  // unit, on the viewer's side of the surface; `normal` is interpolated
+  double t;                        // along the ray that found it
+  double rounding;                 // how far from the surface a ray must start in order not to meet it again
+  uint32_t material;
+};
+
+}  // namespace penumbra

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The one header that knows which Embree this is: versions 3 and 4 behind the same few functions.
+#pragma once
+
+#if __has_include(<embree4/rtcore.h>)
+#include <embree4/rtcore.h>
+#else
+#include <embree3/rtcore.h>
+#endif
+
+#include <memory>
+#include <string>
+#include <type_traits>
+
+namespace penumbra::embree {
+
+struct Release {
+  void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
+  void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
+};
+using Device = std::unique_ptr<std::remove_pointer_t<RTCDevice>, Release>;
+using SceneHandle = std::unique_ptr<std::remove_pointer_t<RTCScene>, Release>;
+
+/// A device that throws std::runtime_error (or std::bad_alloc) at check_errors() after anything went wrong.
+Device make_device();
+void check_errors(RTCDevice device, const std::string& what);
+
+/// Throws std::runtime_error with a sentence if the Embree in this process is not the one this module was
+/// built for, or does not find a ray's hit: another copy loaded first may answer our calls in silence.
+void self_test();
+
+/// The version of the library in this process, such as "3.13.5".
+std::string version();
+
+#if RTC_VERSION_MAJOR >= 4
+
+inline void intersect16(const int* valid, RTCScene scene, RTCRayHit16& rays, bool coherent) {
+  RTCIntersectArguments arguments;
+  rtcInitIntersectArguments(&arguments);
+  arguments.flags = coherent ? RTC_RAY_QUERY_FLAG_COHERENT : RTC_RAY_QUERY_FLAG_INCOHERENT;
+  rtcIntersect16(valid, scene, &rays, &arguments);
+}
+
+inline void occluded16(const int* valid, RTCScene scene, RTCRay16& rays) {
+  RTCOccludedArguments arguments;
+  rtcInitOccludedArguments(&arguments);
+  arguments.flags = RTC_RAY_QUERY_FLAG_INCOHERENT;
+  rtcOccluded16(valid, scene, &rays, &arguments);
+}
+
+inline void intersect1(RTCScene scene, RTCRayHit& ray) {
+  rtcIntersect1(scene, &ray, nullptr);
+}
+
+#else
+
+inline void intersect16(const int* valid, RTCScene scene, RTCRayHit16& rays, bool coherent) {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+  rtcIntersect16(valid, scene, &context, &rays);
+}
+
+inline void occluded16(const int* valid, RTCScene scene, RTCRay16& rays) {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+  rtcOccluded16(valid, scene, &context, &rays);
+}
+
+inline void intersect1(RTCScene scene, RTCRayHit& ray) {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcIntersect1(scene, &context, &ray);
+}
+
+#endif
+
+}  // namespace penumbra::embree

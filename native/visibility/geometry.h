@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The scene's surfaces, placed for tracing: recentred and rescaled to about unit size, in Embree's BVH.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "scene/normalization.h"
+#include "scene/scene.h"
+#include "scene/surface_point.h"
+#include "visibility/embree.h"
+
+namespace penumbra {
+
+/// A ray in render space, in double; rounded only when it is handed to Embree. t is in units of `direction`.
+struct Ray {
+  Vec3d origin, direction;
+  double t_near = 0, t_far = 0;
+};
+
+/// Which triangle a ray meets first. Distance and position follow from surface_point().
+struct Hit {
+  static constexpr uint32_t kNone = ~0u;
+  uint32_t instance = kNone, triangle = kNone;
+
+  bool found() const { return instance != kNone; }
+};
+
+/// What a scene's triangles are to rays. Immutable, so that threads and renders can share it.
+class Geometry {
+ public:
+  /// Builds the BVH. Throws std::runtime_error or std::bad_alloc where Embree fails, and
+  /// std::invalid_argument naming an instance whose transform carries it beyond single precision.
+  Geometry(std::vector<Mesh> meshes, std::vector<Instance> instances);
+
+  const Normalization& normalization() const { return normalization_; }
+  RTCScene embree_scene() const { return scene_.get(); }
+  /// Some mesh is used by more than one instance; Embree's coherent 16-wide traversal must then be avoided
+  /// (Debian 12's Embree 3.13.5 hangs in it).
+  bool has_shared_meshes() const { return has_shared_meshes_; }
+
+  /// First hits of up to 16 rays; bit i of `active` says whether ray i counts.
+  void intersect(const Ray* rays, uint32_t active, Hit* hits) const;
+
+  /// Position and normals where `ray` meets the triangle of `hit`, recomputed in double from its vertices.
+  SurfacePoint surface_point(const Ray& ray, const Hit& hit) const;
+
+  uint64_t triangles() const { return triangle_count_; }
+  uint64_t instances() const { return instances_.size(); }
+  uint64_t meshes() const { return meshes_.size(); }
+  const std::string& name_of(const Hit& hit) const { return instances_[hit.instance].name; }
+
+ private:
+  /// Positions as Embree sees them: in render space for a mesh used once, else in a unit-size space of its
+  /// own.
+  struct PlacedMesh {
+    std::vector<Vec3f> positions;  // one more than there are vertices: Embree reads 16 bytes at a time
+    std::vector<std::array<uint32_t, 3>> triangles;
+    std::vector<Vec3f> corner_normals;
+    std::vector<uint32_t> material_slots;
+    embree::SceneHandle scene;  // only where shared
+  };
+  struct PlacedInstance {
+    std::string name;
+    uint32_t mesh;
+    Affine render_from_mesh;    // from the space of PlacedMesh::positions
+    Affine render_from_object;  // for normals
+    double extent;              // largest coordinate difference, render space; 0 unless the mesh is shared
+    bool shared;
+    std::vector<uint32_t> materials;
+  };
+
+  void build(std::vector<Mesh> meshes, std::vector<Instance> instances);
+  RTCGeometry make_triangles(const PlacedMesh& mesh) const;
+
+  Normalization normalization_;
+  Box bounds_;  // render space
+  embree::Device device_;
+  std::vector<PlacedMesh> meshes_;
+  std::vector<PlacedInstance> instances_;
+  embree::SceneHandle scene_;
+  bool has_shared_meshes_ = false;
+  uint64_t triangle_count_ = 0;
+};
+
+}  // namespace penumbra
