@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lighting/direct_light.h"
 
-#include <bit>
+#include <algorithm>
 
 #include "sampling/hash.h"
 #include "visibility/shadow_rays.h"
@@ -41,7 +41,7 @@ LightEstimate DirectLight::from(const Luminaire& luminaire, const ShadingPoint& 
   const ShadowRays rays(geometry_, point.surface);
   StopRule rule(stop_, diffuse, phong);
   Moments moments;
-  alignas(64) float u[kBatch], v[kBatch], specular[kBatch];
+  alignas(64) float u[kBatch], v[kBatch], specular[kPacket];
   LightPoints points;
   // The growing rules decide after few points: a packet at a time wastes least.
   const uint32_t step = stop_.kind == StopRuleKind::kFixed ? kBatch : kPacket;
@@ -54,36 +54,27 @@ LightEstimate DirectLight::from(const Luminaire& luminaire, const ShadingPoint& 
     const uint32_t generated = (used + kPacket - 1) / kPacket * kPacket;
     sampler_.points(key, first, generated, u, v);
     luminaire.evaluate(point.surface, u, v, generated, points);
-    if (point.has_phong)
-      evaluate_phong(point, points.x, points.y, points.z, points.form_factor, generated, specular);
 
     for (uint32_t packet = 0; packet < used && !done; packet += kPacket) {
       const uint32_t size = std::min(kPacket, used - packet);
       float* f = points.form_factor + packet;
-      float* p = point.has_phong ? specular + packet : nullptr;
-      uint32_t active = 0;
-      for (uint32_t i = 0; i < size; ++i) active |= uint32_t(f[i] > 0) << i;
-      if (luminaire.casts_shadow()) {
-        const uint32_t seen = rays.visible(points.x + packet, points.y + packet, points.z + packet, active);
-        traced += std::popcount(active);
-        for (uint32_t i = 0; i < size; ++i) {
-          const bool visible = seen >> i & 1;
-          f[i] = visible ? f[i] : 0.0f;
-          if (p) p[i] = visible ? p[i] : 0.0f;
-        }
-      }
+      const float *x = points.x + packet, *y = points.y + packet, *z = points.z + packet;
+      std::fill(f + size, f + kPacket, 0.0f);  // generated, but not asked for
+      alignas(64) int ray_of[kPacket] = {};
+      if (luminaire.casts_shadow()) traced += rays.hide(x, y, z, f, ray_of);
+      if (point.has_phong) evaluate_phong(point, x, y, z, f, size, specular);
       // The rule sees the points as if they came one by one.
       uint32_t added = 0;
       while (added < size && !done) {
         const uint32_t n = std::min(until_check, size - added);
-        moments.add(f + added, p ? p + added : nullptr, n);
+        moments.add(f + added, point.has_phong ? specular + added : nullptr, n);
         added += n;
         until_check -= n;
         if (until_check > 0) continue;
         done = rule.enough(moments);
         until_check = rule.next_check(uint32_t(moments.count));
       }
-      if (luminaire.casts_shadow()) tally.shadow_rays_beyond_stop += std::popcount(active >> added & 0xFFFFu);
+      for (uint32_t i = added; i < size; ++i) tally.shadow_rays_beyond_stop += uint64_t(-ray_of[i]);
     }
   }
   tally.light_points += uint64_t(moments.count);

@@ -10,6 +10,12 @@
 
 namespace penumbra {
 
+/// Sums of a and of a * b over a whole packet, added as a fixed tree.
+struct PacketSums {
+  double a, ab;
+};
+PacketSums sum_packet(const float* a, const float* b);
+
 /// Sums over light points of the two lobes, diffuse f and Phong p (see LightPoints, evaluate_phong).
 struct Moments {
   double count = 0, f = 0, p = 0, ff = 0, fp = 0, pp = 0;
@@ -48,19 +54,9 @@ struct Moments {
       }
       return;
     }
-    double s[kPacket], t[kPacket];
-    for (uint32_t i = 0; i < kPacket; ++i) {
-      s[i] = double(a[i]);
-      t[i] = double(a[i]) * double(b[i]);
-    }
-    for (uint32_t half = kPacket / 2; half; half /= 2) {
-      for (uint32_t i = 0; i < half; ++i) {
-        s[i] += s[i + half];
-        t[i] += t[i + half];
-      }
-    }
-    first += s[0];
-    second += t[0];
+    const PacketSums sums = sum_packet(a, b);
+    first += sums.a;
+    second += sums.ab;
   }
 };
 

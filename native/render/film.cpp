@@ -17,6 +17,7 @@ uint32_t pass_channels(const std::string& name) {
 Film::Film(const Rectangle& region, const std::vector<std::string>& passes) : region_(region) {
   for (const std::string& name : passes)
     passes_[name].resize(size_t(region.width) * region.height * pass_channels(name));
+  passes_["Error Estimate"].resize(size_t(region.width) * region.height);
   combined_ = find("Combined");
   depth_ = find("Depth");
   normal_ = find("Normal");

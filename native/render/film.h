@@ -28,6 +28,7 @@ struct PixelValues {
 
 class Film {
  public:
+  /// The error estimate is always kept: statistics are made of it.
   Film(const Rectangle& region, const std::vector<std::string>& passes);
 
   /// x, y: full-frame pixel inside the region. Threads may write different pixels at the same time. A value

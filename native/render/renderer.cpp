@@ -137,16 +137,13 @@ void Renderer::summarize() {
     sum.pixels_at_limit += tally.pixels_at_limit;
     sum.non_finite_pixels += tally.non_finite_pixels;
     if (sum.first_non_finite.empty()) sum.first_non_finite = tally.first_non_finite;
-    sum.error_estimates.insert(sum.error_estimates.end(), tally.error_estimates.begin(),
-                               tally.error_estimates.end());
   }
-  std::vector<float>& errors = sum.error_estimates;
-  std::sort(errors.begin(), errors.end());  // so that sums do not depend on the threads either
-  if (!errors.empty()) {
-    statistics_.error_mean = std::accumulate(errors.begin(), errors.end(), 0.0) / double(errors.size());
-    statistics_.error_p99 = errors[(errors.size() - 1) * 99 / 100];
-    statistics_.error_max = errors.back();
-  }
+  std::vector<float> errors = film_.pass("Error Estimate");
+  statistics_.error_mean = std::accumulate(errors.begin(), errors.end(), 0.0) / double(errors.size());
+  const auto p99 = errors.begin() + std::ptrdiff_t((errors.size() - 1) * 99 / 100);
+  std::nth_element(errors.begin(), p99, errors.end());
+  statistics_.error_p99 = *p99;
+  statistics_.error_max = *std::max_element(p99, errors.end());
   statistics_.tally = std::move(sum);
 }
 

@@ -140,7 +140,6 @@ void render_tile(const TileContext& c, uint32_t x, uint32_t y, TileTally& tally)
     if (!in_region(px, py)) continue;
     const PixelValues values = resolve(c.settings, pixels[i]);
     tally.pixels_at_limit += pixels[i].at_limit;
-    tally.error_estimates.push_back(float(values.error_estimate));
     if (c.film.write(px, py, values) && tally.non_finite_pixels++ == 0)
       tally.first_non_finite = "pixel " + std::to_string(px) + "," + std::to_string(py) + " (" +
                                (pixels[i].object ? *pixels[i].object : "background") + ")";

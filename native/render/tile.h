@@ -31,8 +31,7 @@ struct TileTally {
   LightTally light;
   uint64_t primary_rays = 0, mirror_rays = 0;
   uint64_t pixels_at_limit = 0, non_finite_pixels = 0;
-  std::string first_non_finite;        // which pixel, and the object seen there
-  std::vector<float> error_estimates;  // of all pixels, display units
+  std::string first_non_finite;  // which pixel, and the object seen there
 };
 
 /// Renders the tile whose lower left pixel is (x, y), both multiples of kTile.

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Scenes for benchmarks, made by formula: the same on every machine.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "scene/scene.h"
+
+namespace penumbra::benchmark {
+
+/// A name and what makes the scene.
+struct NamedScene {
+  std::string name;
+  Scene (*make)();
+};
+
+/// Sphere on a floor (5k triangles), four objects (14k), a field of spheres and leaves (1 M), and the same
+/// field as 2000 instances.
+const std::vector<NamedScene>& scenes();
+
+}  // namespace penumbra::benchmark
