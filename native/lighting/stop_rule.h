@@ -8,7 +8,7 @@
 
 namespace penumbra {
 
-enum class StopRuleKind { kFixed, kPaper, kVariance };
+enum class StopRuleKind { kFixed, kPaper, kVariance, kBounded };
 
 struct StopSettings {
   StopRuleKind kind = StopRuleKind::kPaper;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "luminaire/form_factor.h"
 #include "math/simd.h"
 
 namespace penumbra {
@@ -70,6 +71,34 @@ Luminaire::Luminaire(const AreaLuminaire& description, const Normalization& norm
   normal_ = normalize(cross(edge_u_, edge_v_));
   // It emits towards local -z, in mirrored and sheared transforms too.
   if (dot(normal_, t.z_axis) > 0) normal_ = -normal_;
+  make_outline();
+}
+
+void Luminaire::make_outline() {
+  if (shape_ == LuminaireShape::kRectangle) {
+    vertices_ = {{}, edge_u_, edge_u_ + edge_v_, edge_v_};
+    edges_ = {edge_u_, edge_v_, -edge_u_, -edge_v_};
+    return;
+  }
+  constexpr int kSides = kMostVertices;
+  // Radius of the regular polygon that has the circle's area.
+  const double radius = 0.5 * std::sqrt(2 * kPi / kSides / std::sin(2 * kPi / kSides));
+  const auto vertex = [&](int i) {
+    const double angle = 2 * kPi * i / kSides;
+    return edge_u_ * (0.5 + radius * std::cos(angle)) + edge_v_ * (0.5 + radius * std::sin(angle));
+  };
+  for (int i = 0; i < kSides; ++i) {
+    vertices_.push_back(vertex(i));
+    edges_.push_back(vertex(i + 1) - vertex(i));
+  }
+}
+
+double Luminaire::form_factor(const SurfacePoint& surface) const {
+  const Vec3d origin = corner_ - surface.position;
+  if (dot(origin, normal_) >= 0) return 0;  // behind it, or in its plane
+  Vec3d from_point[kMostVertices];
+  for (size_t i = 0; i < vertices_.size(); ++i) from_point[i] = origin + vertices_[i];
+  return polygon_form_factor({from_point, vertices_.size()}, edges_, surface.normal);
 }
 
 bool Luminaire::unseen_from(const SurfacePoint& surface) const {

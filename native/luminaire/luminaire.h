@@ -3,7 +3,7 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
+#include <vector>
 
 #include "scene/normalization.h"
 #include "scene/scene.h"
@@ -34,6 +34,11 @@ class Luminaire {
   /// corners of the shape's parallelogram.
   bool unseen_from(const SurfacePoint& surface) const;
 
+  /// Form factor E / (pi L_e) at a surface point where nothing hides the luminaire. Exact for rectangles; an
+  /// ellipse counts as the polygon of 64 sides and equal area around it (relative error 1e-6 from one
+  /// radius away, tests/native/test_luminaire.cpp).
+  double form_factor(const SurfacePoint& surface) const;
+
   /// Maps points of the unit square to the luminaire, uniformly in area, and evaluates them.
   void evaluate(const SurfacePoint& surface, const float* u, const float* v, uint32_t count,
                 LightPoints& out) const;
@@ -42,10 +47,13 @@ class Luminaire {
   bool casts_shadow() const { return cast_shadow_; }
 
  private:
+  void make_outline();
+
   LuminaireShape shape_;
-  Vec3d corner_, edge_u_, edge_v_;  // of the parallelogram that holds the shape
-  Vec3d normal_;                    // unit, on the emitting side
-  double area_;                     // of the shape, render space
+  std::vector<Vec3d> vertices_, edges_;  // outline relative to corner_, and from each vertex to the next
+  Vec3d corner_, edge_u_, edge_v_;       // of the parallelogram that holds the shape
+  Vec3d normal_;                         // unit, on the emitting side
+  double area_;                          // of the shape, render space
   Vec3d radiance_;
   bool cast_shadow_;
 };

@@ -106,7 +106,7 @@ class PythonRender {
   py::dict statistics() const {
     using py::literals::operator""_a;
     const RenderStatistics& s = renderer_->statistics();
-    const TileTally& t = s.tally;
+    const RenderTally& t = s.tally;
     char hash[17];
     std::snprintf(hash, sizeof(hash), "%016llx", static_cast<unsigned long long>(scene_hash_));
     std::vector<std::string> warnings;

@@ -44,7 +44,8 @@ StopRuleKind stop_rule_from_name(const std::string& name) {
   return from_name<StopRuleKind>("stop_rule", name,
                                  {{"FIXED", StopRuleKind::kFixed},
                                   {"PAPER", StopRuleKind::kPaper},
-                                  {"VARIANCE", StopRuleKind::kVariance}});
+                                  {"VARIANCE", StopRuleKind::kVariance},
+                                  {"BOUNDED", StopRuleKind::kBounded}});
 }
 
 FilterKind filter_from_name(const std::string& name) {

@@ -3,9 +3,12 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <numeric>
 #include <utility>
 
+#include "lighting/bounded_light.h"
+#include "lighting/direct_light.h"
 #include "math/simd.h"
 
 namespace penumbra {
@@ -20,6 +23,22 @@ SamplerSettings pixel_sampler_settings(const RenderSettings& settings) {
   return {SamplerKind::kOwenSobol, SampleReuse::kScrambled, settings.seed, settings.pixel_samples, true};
 }
 
+std::unique_ptr<Lighting> make_lighting(const Scene& scene, const Geometry& geometry, const Sampler& sampler,
+                                        const RenderSettings& settings) {
+  std::vector<Luminaire> luminaires;
+  for (const AreaLuminaire& description : scene.luminaires()) {
+    const Luminaire luminaire(description, geometry.normalization());
+    if (!luminaire.dark()) luminaires.push_back(luminaire);
+  }
+  const double display_scale = std::exp2(settings.exposure);
+  if (settings.stop_rule == StopRuleKind::kBounded)
+    return std::make_unique<BoundedLight>(
+        geometry, std::move(luminaires), sampler,
+        BoundedSettings{settings.error_tolerance, display_scale, settings.max_light_samples});
+  return std::make_unique<DirectLight>(geometry, std::move(luminaires), sampler, settings.stop_settings(),
+                                       display_scale);
+}
+
 }  // namespace
 
 Renderer::Renderer(std::shared_ptr<const Scene> scene, std::shared_ptr<const Geometry> geometry,
@@ -32,7 +51,7 @@ Renderer::Renderer(std::shared_ptr<const Scene> scene, std::shared_ptr<const Geo
       pixel_sampler_(make_sampler(pixel_sampler_settings(settings_))),
       filter_(settings_.filter_type, settings_.filter_width),
       camera_(scene_->camera(), geometry_->normalization(), settings_.width, settings_.height),
-      light_(*geometry_, scene_->luminaires(), *light_sampler_, settings_.stop_settings()) {
+      lighting_(make_lighting(*scene_, *geometry_, *light_sampler_, settings_)) {
   make_buckets();
 }
 
@@ -51,12 +70,18 @@ void Renderer::make_buckets() {
       const uint32_t x0 = std::max(x, region.x), y0 = std::max(y, region.y);
       const uint32_t x1 = std::min(x + kBucket, right), y1 = std::min(y + kBucket, top);
       bucket->area = {x0, y0, x1 - x0, y1 - y0};
-      for (uint32_t ty = y0 / kTile * kTile; ty < y1; ty += kTile)
-        for (uint32_t tx = x0 / kTile * kTile; tx < x1; tx += kTile) {
-          work_.emplace_back(uint32_t(buckets_.size()), uint32_t(bucket->tiles.size()));
-          bucket->tiles.push_back({tx, ty, kTile, kTile});
+      // Where neighbours matter, blocks are whole tiles of the frame, so that a border does not move them.
+      const uint32_t align = lighting_->halo() ? kTile : 1, side = lighting_->block_side();
+      const auto down = [align](uint32_t v) { return v / align * align; };
+      const uint32_t left = down(x0), bottom = down(y0), right_end = down(x1 + align - 1),
+                     top_end = down(y1 + align - 1);
+      for (uint32_t by = bottom; by < top_end; by = by / side * side + side)
+        for (uint32_t bx = left; bx < right_end; bx = bx / side * side + side) {
+          work_.emplace_back(uint32_t(buckets_.size()), uint32_t(bucket->blocks.size()));
+          bucket->blocks.push_back({bx, by, std::min(bx / side * side + side, right_end) - bx,
+                                    std::min(by / side * side + side, top_end) - by});
         }
-      bucket->tiles_left = uint32_t(bucket->tiles.size());
+      bucket->blocks_left = uint32_t(bucket->blocks.size());
       buckets_.push_back(std::move(bucket));
     }
   }
@@ -86,16 +111,16 @@ void Renderer::start() {
   }
 }
 
-void Renderer::work(TileTally& tally) {
-  const TileContext context{settings_, *scene_, *geometry_, camera_, light_, filter_, *pixel_sampler_, film_};
+void Renderer::work(RenderTally& tally) {
+  const RenderContext context{settings_,  *scene_, *geometry_,      camera_,
+                              *lighting_, filter_, *pixel_sampler_, film_};
   while (!cancelled_) {
     const size_t i = next_++;
     if (i >= work_.size()) return;
     Bucket& bucket = *buckets_[work_[i].first];
-    const Rectangle& tile = bucket.tiles[work_[i].second];
-    render_tile(context, tile.x, tile.y, tally);
-    ++tiles_done_;
-    if (--bucket.tiles_left == 0) {
+    render_block(context, bucket.blocks[work_[i].second], tally);
+    ++blocks_done_;
+    if (--bucket.blocks_left == 0) {
       const Rectangle& area = bucket.area;
       const std::lock_guard lock(mutex_);
       finished_.push_back(
@@ -118,7 +143,7 @@ bool Renderer::done() const {
 }
 
 double Renderer::progress() const {
-  return work_.empty() ? 1.0 : double(tiles_done_) / double(work_.size());
+  return work_.empty() ? 1.0 : double(blocks_done_) / double(work_.size());
 }
 
 void Renderer::finish() {
@@ -129,8 +154,8 @@ void Renderer::finish() {
 }
 
 void Renderer::summarize() {
-  TileTally sum;
-  for (const TileTally& tally : tallies_) {
+  RenderTally sum;
+  for (const RenderTally& tally : tallies_) {
     sum.light += tally.light;
     sum.primary_rays += tally.primary_rays;
     sum.mirror_rays += tally.mirror_rays;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A render in progress: threads over tiles, what is finished so far, cancel and statistics.
+// A render in progress: threads over blocks, what is finished so far, cancel and statistics.
 #pragma once
 
 #include <atomic>
@@ -9,17 +9,17 @@
 #include <mutex>
 #include <thread>
 
-#include "render/tile.h"
+#include "render/block.h"
 
 namespace penumbra {
 
 struct RenderStatistics {
-  TileTally tally;
-  double seconds = 0;  // from start() to the last tile
+  RenderTally tally;
+  double seconds = 0;  // from start() to the last block
   double error_mean = 0, error_p99 = 0, error_max = 0;
 };
 
-/// Threads take tiles from one atomic counter. Results do not depend on who renders what, or when.
+/// Threads take blocks from one atomic counter. Results do not depend on who renders what, or when.
 class Renderer {
  public:
   /// Side in pixels of a bucket, the unit in which finished pixels are reported; a multiple of kTile.
@@ -48,13 +48,13 @@ class Renderer {
 
  private:
   struct Bucket {
-    Rectangle area;                // full frame, clipped to the region
-    std::vector<Rectangle> tiles;  // full frame, aligned
-    std::atomic<uint32_t> tiles_left{0};
+    Rectangle area;                 // full frame, clipped to the region
+    std::vector<Rectangle> blocks;  // full frame, whole tiles
+    std::atomic<uint32_t> blocks_left{0};
   };
 
   void make_buckets();
-  void work(TileTally& tally);
+  void work(RenderTally& tally);
   void summarize();
 
   std::shared_ptr<const Scene> scene_;
@@ -64,11 +64,11 @@ class Renderer {
   std::unique_ptr<Sampler> light_sampler_, pixel_sampler_;
   PixelFilter filter_;
   CameraRays camera_;
-  DirectLight light_;
+  std::unique_ptr<Lighting> lighting_;
 
   std::vector<std::unique_ptr<Bucket>> buckets_;
-  std::vector<std::pair<uint32_t, uint32_t>> work_;  // bucket, tile of it
-  std::atomic<size_t> next_{0}, tiles_done_{0};
+  std::vector<std::pair<uint32_t, uint32_t>> work_;  // bucket, block of it
+  std::atomic<size_t> next_{0}, blocks_done_{0};
   std::atomic<bool> cancelled_{false};
   std::atomic<uint32_t> working_{0};
 
@@ -78,7 +78,7 @@ class Renderer {
   std::exception_ptr failure_;
 
   std::vector<std::thread> threads_;
-  std::vector<TileTally> tallies_;
+  std::vector<RenderTally> tallies_;
   RenderStatistics statistics_;
 };
 

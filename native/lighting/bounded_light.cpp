@@ -1,0 +1,263 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lighting/bounded_light.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "lighting/bounded_refine.h"
+#include "visibility/shadow_rays.h"
+
+namespace penumbra {
+namespace {
+
+/// The gate looks at pixels this far to each side; the flood carries what refining found as far again.
+constexpr int kGateReach = 2, kFloodReach = 2;
+constexpr uint32_t kHalo = kGateReach + kFloodReach;
+
+/// Share of a pixel's tolerance that dim luminaires may be charged for being dropped.
+constexpr double kDropShare = 0.25;
+
+/// Points for the unshadowed Phong lobe, which has no closed form: shading only, no rays.
+constexpr uint32_t kPhongPoints = 1024;
+
+enum Seen : uint8_t { kLit = 1, kDark = 2 };
+
+/// Ors each pixel's flags over the square of (2 reach + 1)^2 pixels around it.
+void spread(std::vector<uint8_t>& flags, uint32_t width, uint32_t height, int reach) {
+  std::vector<uint8_t> rows(flags.size(), 0);
+  for (uint32_t y = 0; y < height; ++y)
+    for (uint32_t x = 0; x < width; ++x)
+      for (int d = -reach; d <= reach; ++d)
+        if (int(x) + d >= 0 && x + d < width) rows[y * width + x] |= flags[y * width + x + d];
+  std::fill(flags.begin(), flags.end(), uint8_t(0));
+  for (uint32_t y = 0; y < height; ++y)
+    for (int d = -reach; d <= reach; ++d)
+      if (int(y) + d >= 0 && y + d < height)
+        for (uint32_t x = 0; x < width; ++x) flags[y * width + x] |= rows[(y + d) * width + x];
+}
+
+/// The light of one block, step by step.
+class BlockLight {
+ public:
+  BlockLight(const Block& block, const Geometry& geometry, const std::vector<Luminaire>& luminaires,
+             const Sampler& sampler, const BoundedSettings& settings, const std::vector<LitPoint>& points,
+             std::vector<PixelLight>& out, LightTally& tally)
+      : block_(block),
+        geometry_(geometry),
+        luminaires_(luminaires),
+        sampler_(sampler),
+        settings_(settings),
+        points_(points),
+        out_(out),
+        tally_(tally),
+        item_sampler_(geometry, luminaires, sampler, points) {}
+
+  void run() {
+    find_items();
+    drop_dim_items();
+    first_look();
+    gate();
+    flood();
+    settle_certain_items();
+    refine_tiles();
+  }
+
+ private:
+  /// Items of one bounce and one luminaire are compared with each other: a slot.
+  size_t slot(const BoundedItem& item) const {
+    return points_[item.point].bounce * luminaires_.size() + item.luminaire;
+  }
+  uint32_t pixel(const BoundedItem& item) const { return points_[item.point].pixel; }
+  bool in_core(uint32_t pixel, int margin) const {
+    const int x = int(pixel % block_.width) - int(block_.core_x),
+              y = int(pixel / block_.width) - int(block_.core_y);
+    return x >= -margin && y >= -margin && x < int(block_.core_width) + margin &&
+           y < int(block_.core_height) + margin;
+  }
+
+  void find_items();
+  void drop_dim_items();
+  void first_look();
+  void gate();
+  void flood();
+  void settle_certain_items();
+  void refine_tiles();
+  double unshadowed_phong(const LitPoint& lit, const Luminaire& luminaire, const StreamKey& key) const;
+
+  const Block& block_;
+  const Geometry& geometry_;
+  const std::vector<Luminaire>& luminaires_;
+  const Sampler& sampler_;
+  const BoundedSettings& settings_;
+  const std::vector<LitPoint>& points_;
+  std::vector<PixelLight>& out_;
+  LightTally& tally_;
+  ItemSampler item_sampler_;
+  std::vector<BoundedItem> items_;  // by slot, then pixel
+};
+
+void BlockLight::find_items() {
+  for (uint32_t p = 0; p < points_.size(); ++p) {
+    const LitPoint& lit = points_[p];
+    for (uint32_t l = 0; l < luminaires_.size(); ++l) {
+      const Luminaire& luminaire = luminaires_[l];
+      const double form_factor = luminaire.form_factor(lit.surface);
+      if (form_factor <= 0) continue;
+      BoundedItem item;
+      item.point = p;
+      item.luminaire = l;
+      const Vec3d arriving = lit.throughput * luminaire.radiance();
+      item.diffuse = arriving * lit.material->diffuse * form_factor;
+      if (max_component(lit.material->phong) > 0)
+        item.phong =
+            arriving * lit.material->phong * unshadowed_phong(lit, luminaire, item_sampler_.key(item));
+      item.diffuse_size = max_abs(item.diffuse) * settings_.display_scale;
+      item.phong_size = max_abs(item.phong) * settings_.display_scale;
+      if (item.size() > 0) items_.push_back(item);
+    }
+  }
+  std::stable_sort(items_.begin(), items_.end(),
+                   [this](const BoundedItem& a, const BoundedItem& b) { return slot(a) < slot(b); });
+}
+
+double BlockLight::unshadowed_phong(const LitPoint& lit, const Luminaire& luminaire,
+                                    const StreamKey& key) const {
+  const ShadingPoint point(lit.surface, *lit.material, lit.ray_direction);
+  alignas(64) float u[kBatch], v[kBatch], phong[kBatch];
+  LightPoints points;
+  double sum = 0;
+  const uint32_t count = std::min(kPhongPoints, settings_.max_light_samples / kBatch * kBatch);
+  for (uint32_t first = 0; first < count; first += kBatch) {
+    sampler_.points(key, first, kBatch, u, v);
+    luminaire.evaluate(lit.surface, u, v, kBatch, points);
+    evaluate_phong(point, points.x, points.y, points.z, points.form_factor, kBatch, phong);
+    for (float value : phong) sum += double(value);
+  }
+  return sum / count;
+}
+
+/// A pixel's dimmest items, as many as its share of the tolerance pays for: half of each is added, and half
+/// is the error at most.
+void BlockLight::drop_dim_items() {
+  if (luminaires_.size() < 2) return;
+  std::vector<std::vector<uint32_t>> of_pixel(block_.pixels());
+  for (uint32_t i = 0; i < items_.size(); ++i) of_pixel[pixel(items_[i])].push_back(i);
+  std::vector<bool> dropped(items_.size(), false);
+  for (uint32_t p = 0; p < of_pixel.size(); ++p) {
+    auto& list = of_pixel[p];
+    std::sort(list.begin(), list.end(), [this](uint32_t a, uint32_t b) {
+      return items_[a].size() != items_[b].size() ? items_[a].size() < items_[b].size() : a < b;
+    });
+    double charge = 0;
+    for (uint32_t i : list) {
+      charge += items_[i].size() / 2;
+      if (charge > kDropShare * settings_.tolerance) break;
+      dropped[i] = true;
+      ++tally_.decided_without_ray;
+      out_[p].radiance += items_[i].unshadowed() * 0.5;
+      out_[p].error = charge;
+    }
+  }
+  size_t kept = 0;
+  for (size_t i = 0; i < items_.size(); ++i)
+    if (!dropped[i]) items_[kept++] = items_[i];
+  items_.resize(kept);
+}
+
+/// The first points of each item, one in each quarter of the luminaire.
+void BlockLight::first_look() {
+  alignas(64) float u[kPacket], v[kPacket];
+  alignas(64) int traced[kPacket];
+  LightPoints points;
+  for (BoundedItem& item : items_) {
+    const LitPoint& lit = points_[item.point];
+    sampler_.points(item_sampler_.key(item), 0, kPacket, u, v);
+    luminaires_[item.luminaire].evaluate(lit.surface, u, v, kPacket, points);
+    float* f = points.form_factor;
+    std::fill(f + kFirstLook, f + kPacket, 0.0f);
+    uint8_t facing = 0;
+    for (uint32_t i = 0; i < kFirstLook; ++i) facing |= uint8_t((f[i] > 0) << i);
+    if (luminaires_[item.luminaire].casts_shadow())
+      tally_.shadow_rays += ShadowRays(geometry_, lit.surface).hide(points.x, points.y, points.z, f, traced);
+    for (uint32_t i = 0; i < kFirstLook; ++i) item.first_lit |= uint8_t((f[i] > 0) << i);
+    item.first_dark = facing & uint8_t(~item.first_lit);
+  }
+}
+
+/// Items whose neighbourhood has seen both light and dark may be in penumbra.
+void BlockLight::gate() {
+  for (size_t begin = 0; begin < items_.size();) {
+    const size_t s = slot(items_[begin]);
+    std::vector<uint8_t> seen(block_.pixels(), 0);
+    size_t end = begin;
+    for (; end < items_.size() && slot(items_[end]) == s; ++end)
+      seen[pixel(items_[end])] |=
+          uint8_t((items_[end].first_lit ? kLit : 0) | (items_[end].first_dark ? kDark : 0));
+    spread(seen, block_.width, block_.height, kGateReach);
+    for (size_t i = begin; i < end; ++i) {
+      const bool blind = !items_[i].first_lit && !items_[i].first_dark;  // all four below the horizon
+      items_[i].uncertain = seen[pixel(items_[i])] == (kLit | kDark) || blind;
+    }
+    begin = end;
+  }
+}
+
+/// Where the first packet of an uncertain item finds penumbra, its neighbours are uncertain too.
+void BlockLight::flood() {
+  for (size_t begin = 0; begin < items_.size();) {
+    const size_t s = slot(items_[begin]);
+    std::vector<uint8_t> mixed(block_.pixels(), 0);
+    size_t end = begin;
+    for (; end < items_.size() && slot(items_[end]) == s; ++end) {
+      BoundedItem& item = items_[end];
+      if (!item.uncertain || !in_core(pixel(item), kFloodReach)) continue;
+      item_sampler_.advance(item, next_level(0), tally_);
+      mixed[pixel(item)] = item.lit > 0 && item.lit < item.facing;
+    }
+    spread(mixed, block_.width, block_.height, kFloodReach);
+    for (size_t i = begin; i < end; ++i) items_[i].uncertain = items_[i].uncertain || mixed[pixel(items_[i])];
+    begin = end;
+  }
+}
+
+void BlockLight::settle_certain_items() {
+  for (const BoundedItem& item : items_) {
+    if (item.uncertain) continue;
+    PixelLight& pixel_light = out_[pixel(item)];
+    pixel_light.points += kFirstLook;
+    if (item.first_lit) pixel_light.radiance += item.unshadowed();
+  }
+}
+
+void BlockLight::refine_tiles() {
+  constexpr uint32_t kTileSide = 8;
+  const uint32_t columns = (block_.core_width + kTileSide - 1) / kTileSide;
+  const uint32_t rows = (block_.core_height + kTileSide - 1) / kTileSide;
+  std::vector<std::vector<BoundedItem*>> tiles(size_t(columns) * rows);
+  for (BoundedItem& item : items_) {
+    if (!item.uncertain || !in_core(pixel(item), 0)) continue;
+    const uint32_t x = pixel(item) % block_.width - block_.core_x,
+                   y = pixel(item) / block_.width - block_.core_y;
+    tiles[y / kTileSide * columns + x / kTileSide].push_back(&item);
+  }
+  const TileRefiner refiner(item_sampler_, points_, block_, settings_);
+  for (auto& tile : tiles) {
+    refiner.refine(tile, out_, tally_);
+    for (const BoundedItem* item : tile) out_[pixel(*item)].points += item->count;
+  }
+  for (uint32_t p = 0; p < block_.pixels(); ++p)
+    if (in_core(p, 0)) tally_.light_points += out_[p].points;
+}
+
+}  // namespace
+
+uint32_t BoundedLight::halo() const {
+  return kHalo;
+}
+
+void BoundedLight::light(const Block& block, const std::vector<LitPoint>& points,
+                         std::vector<PixelLight>& out, LightTally& tally) const {
+  BlockLight(block, geometry_, luminaires_, sampler_, settings_, points, out, tally).run();
+}
+
+}  // namespace penumbra

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// BOUNDED's second half: rays for uncertain items until each pixel of a tile is within the tolerance.
+#pragma once
+
+#include <vector>
+
+#include "lighting/bounded_item.h"
+
+namespace penumbra {
+
+/// Calibrated constants; how they were found: tests/benchmarks/README.md.
+struct BoundedCalibration {
+  /// Quantile that stopping tests, in units of the estimated standard error: about 99 % of the pixels.
+  double stop = 2.5;
+  /// Quantile of the Error Estimate pass: 95 %.
+  double report = 2.0;
+  /// Smoothed standard error of the visible fraction: c sqrt(p (1 - p)) n^-3/4 for an Owen-scrambled
+  /// (0,2)-sequence and an edge through the luminaire.
+  double smoothed = 0.5;
+};
+
+/// Adds points to one item up to `count` (16, or a later level), shadow rays included.
+class ItemSampler {
+ public:
+  ItemSampler(const Geometry& geometry, const std::vector<Luminaire>& luminaires, const Sampler& sampler,
+              const std::vector<LitPoint>& points)
+      : geometry_(geometry), luminaires_(luminaires), sampler_(sampler), points_(points) {}
+
+  void advance(BoundedItem& item, uint32_t count, LightTally& tally) const;
+
+  StreamKey key(const BoundedItem& item) const;
+
+ private:
+  const Geometry& geometry_;
+  const std::vector<Luminaire>& luminaires_;
+  const Sampler& sampler_;
+  const std::vector<LitPoint>& points_;
+};
+
+/// The uncertain items of one tile, with their places, and what else its pixels have.
+class TileRefiner {
+ public:
+  TileRefiner(const ItemSampler& sampler, const std::vector<LitPoint>& points, const Block& block,
+              const BoundedSettings& settings);
+
+  /// items: uncertain ones of this tile, all slots. certain: display value and error charged already, by
+  /// pixel of the block. Leaves each pixel's items within the tolerance, or at the limit.
+  void refine(std::vector<BoundedItem*>& items, std::vector<PixelLight>& pixels, LightTally& tally) const;
+
+ private:
+  double error(const BoundedItem& item, const std::vector<BoundedItem*>& items) const;
+
+  const ItemSampler& sampler_;
+  const std::vector<LitPoint>& points_;
+  const Block& block_;
+  const BoundedSettings& settings_;
+  BoundedCalibration calibration_;
+};
+
+}  // namespace penumbra

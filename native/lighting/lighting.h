@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// From surface points to light: what every way of lighting takes and gives.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "luminaire/luminaire.h"
+#include "material/phong.h"
+#include "sampling/sampler.h"
+#include "visibility/geometry.h"
+
+namespace penumbra {
+
+/// A surface point that a pixel sees, directly or in mirrors.
+struct LitPoint {
+  SurfacePoint surface;
+  Vec3d ray_direction;  // of the ray that found it
+  const Material* material;
+  Vec3d throughput;  // of the mirrors before it
+  uint64_t stream;   // its number among the frame's surface points
+  uint32_t pixel;    // x + y * width in the block
+  uint32_t bounce;   // mirrors before it
+};
+
+/// A rectangle of pixels: the core, which gets its final values, and pixels around it that are only looked
+/// at.
+struct Block {
+  uint32_t width, height;                            // with the halo
+  uint32_t core_x, core_y, core_width, core_height;  // in the block
+
+  uint32_t pixels() const { return width * height; }
+};
+
+/// Light that a pixel gets.
+struct PixelLight {
+  Vec3d radiance;
+  double error = 0;  // display units
+  uint64_t points = 0;
+  bool at_limit = false;  // some luminaire used max_light_samples without satisfying its rule
+};
+
+/// What lighting did, in numbers.
+struct LightTally {
+  uint64_t light_points = 0;             // used in an estimate
+  uint64_t shadow_rays = 0;              // traced, those beyond the stop included
+  uint64_t shadow_rays_beyond_stop = 0;  // traced with a packet whose earlier points were enough
+  uint64_t decided_without_ray = 0;      // pairs of surface point and luminaire
+
+  LightTally& operator+=(const LightTally& o) {
+    light_points += o.light_points;
+    shadow_rays += o.shadow_rays;
+    shadow_rays_beyond_stop += o.shadow_rays_beyond_stop;
+    decided_without_ray += o.decided_without_ray;
+    return *this;
+  }
+};
+
+/// A way of lighting. Immutable, so that threads share it.
+class Lighting {
+ public:
+  virtual ~Lighting() = default;
+
+  /// Side of the blocks it wants, a multiple of 8 pixels, and the pixels beyond that it looks at.
+  virtual uint32_t block_side() const = 0;
+  virtual uint32_t halo() const = 0;
+
+  /// Direct light of all points, added up for each pixel of the block; `out` has block.pixels() elements.
+  virtual void light(const Block& block, const std::vector<LitPoint>& points, std::vector<PixelLight>& out,
+                     LightTally& tally) const = 0;
+};
+
+}  // namespace penumbra

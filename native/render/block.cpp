@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "render/block.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace penumbra {
+namespace {
+
+/// A pixel on its way to the film: sums over its primary rays.
+struct PixelSums {
+  PixelValues values;
+  Vec3d radiance_squares;
+  double error = 0;                     // of the light, one primary ray
+  const std::string* object = nullptr;  // seen by the first ray
+  bool at_limit = false;
+};
+
+class BlockRenderer {
+ public:
+  BlockRenderer(const RenderContext& context, const Rectangle& core, RenderTally& tally)
+      : c_(context), tally_(tally) {
+    const uint32_t halo = c_.lighting.halo();
+    const uint32_t right = std::min(core.x + core.width, c_.settings.width);
+    const uint32_t top = std::min(core.y + core.height, c_.settings.height);
+    area_.x = core.x - std::min(core.x, halo);
+    area_.y = core.y - std::min(core.y, halo);
+    area_.width = std::min(right + halo, c_.settings.width) - area_.x;
+    area_.height = std::min(top + halo, c_.settings.height) - area_.y;
+    block_ = {area_.width, area_.height, core.x - area_.x, core.y - area_.y, right - core.x, top - core.y};
+    pixels_.resize(block_.pixels());
+  }
+
+  void run() {
+    for (uint32_t s = 0; s < c_.settings.pixel_samples; ++s) {
+      trace(s);
+      std::vector<PixelLight> light(block_.pixels());
+      c_.lighting.light(block_, points_, light, tally_.light);
+      for (uint32_t i = 0; i < block_.pixels(); ++i) add_light(pixels_[i], light[i]);
+    }
+    write();
+  }
+
+ private:
+  Ray primary_ray(uint32_t x, uint32_t y, uint32_t s) const;
+  void trace(uint32_t s);
+  void follow(Ray ray, Hit hit, uint32_t pixel, uint32_t s);
+  void add_light(PixelSums& pixel, const PixelLight& light) const;
+  PixelValues resolve(const PixelSums& pixel) const;
+  void write();
+
+  const RenderContext& c_;
+  RenderTally& tally_;
+  Rectangle area_;  // of the block with its halo, full-frame pixels
+  Block block_;
+  std::vector<PixelSums> pixels_;
+  std::vector<LitPoint> points_;   // seen by the current sample
+  std::vector<Vec3d> background_;  // seen by the current sample, in mirrors too
+};
+
+/// Sample s of a pixel: through its centre if it is the only one, else distributed as the pixel filter.
+Ray BlockRenderer::primary_ray(uint32_t x, uint32_t y, uint32_t s) const {
+  double dx = 0, dy = 0;
+  if (c_.settings.pixel_samples > 1) {
+    alignas(64) float u[kPacket], v[kPacket];
+    const uint64_t pixel = uint64_t(y) * c_.settings.width + x;
+    c_.pixel_sampler.points({pixel, ~pixel}, s / kPacket * kPacket, kPacket, u, v);
+    dx = c_.filter.offset(u[s % kPacket]);
+    dy = c_.filter.offset(v[s % kPacket]);
+  }
+  return c_.camera.through(x + 0.5 + dx, y + 0.5 + dy);
+}
+
+/// Finds the surface points that sample s of each pixel sees. Rays are traced by whole tiles of the frame,
+/// four rows of four pixels a packet, so that packets are the same wherever a block begins.
+void BlockRenderer::trace(uint32_t s) {
+  points_.clear();
+  background_.assign(block_.pixels(), {});
+  constexpr uint32_t kSide = 4;
+  Ray rays[kPacket];
+  Hit hits[kPacket];
+  for (uint32_t y = area_.y / kSide * kSide; y < area_.y + area_.height; y += kSide) {
+    for (uint32_t x = area_.x / kSide * kSide; x < area_.x + area_.width; x += kSide) {
+      for (uint32_t i = 0; i < kPacket; ++i) rays[i] = primary_ray(x + i % kSide, y + i / kSide, s);
+      c_.geometry.intersect(rays, 0xFFFF, hits);
+      for (uint32_t i = 0; i < kPacket; ++i) {
+        const uint32_t bx = x + i % kSide - area_.x, by = y + i / kSide - area_.y;  // wraps below the area
+        if (bx >= block_.width || by >= block_.height) continue;
+        ++tally_.primary_rays;
+        follow(rays[i], hits[i], by * block_.width + bx, s);
+      }
+    }
+  }
+}
+
+/// The path of one primary ray through mirrors: a point to light at each surface, background at its end.
+void BlockRenderer::follow(Ray ray, Hit hit, uint32_t pixel, uint32_t s) {
+  const uint32_t depth = c_.scene.has_mirrors() ? c_.settings.mirror_depth : 0;
+  const Background& background = c_.scene.background();
+  PixelSums& sums = pixels_[pixel];
+  if (!hit.found()) {
+    if (!background.transparent) {
+      background_[pixel] = background.color;
+      sums.values.alpha += 1;
+    }
+    if (s == 0) sums.values.depth = PixelValues::kNoDepth;
+    return;
+  }
+  sums.values.alpha += 1;
+  const uint64_t frame_pixel =
+      uint64_t(area_.y + pixel / block_.width) * c_.settings.width + area_.x + pixel % block_.width;
+  Vec3d throughput{1, 1, 1};
+  for (uint32_t bounce = 0;; ++bounce) {
+    const SurfacePoint surface = c_.geometry.surface_point(ray, hit);
+    const Material& material = c_.scene.materials()[surface.material];
+    const uint64_t stream = (frame_pixel * c_.settings.pixel_samples + s) * (depth + 1) + bounce;
+    points_.push_back({surface, ray.direction, &material, throughput, stream, pixel, bounce});
+    if (bounce == 0 && s == 0) {  // data passes are not filtered
+      sums.values.depth = surface.t;
+      sums.values.normal = surface.normal;
+      sums.values.position = c_.geometry.normalization().world_point(surface.position);
+      sums.object = &c_.geometry.name_of(hit);
+    }
+
+    throughput = throughput * material.mirror;
+    if (bounce == depth || max_component(throughput) == 0) return;
+    ray = {surface.position + surface.geometric_normal * surface.rounding,
+           normalize(reflect(ray.direction, surface.normal)), 0, 1e30};
+    c_.geometry.intersect(&ray, 1, &hit);
+    ++tally_.mirror_rays;
+    if (!hit.found()) {
+      background_[pixel] = throughput * background.color;
+      return;
+    }
+  }
+}
+
+void BlockRenderer::add_light(PixelSums& pixel, const PixelLight& light) const {
+  const Vec3d radiance = light.radiance + background_[&pixel - pixels_.data()];
+  pixel.values.combined += radiance;
+  pixel.values.light_samples += double(light.points);
+  pixel.radiance_squares += radiance * radiance;
+  pixel.error = light.error;
+  pixel.at_limit = pixel.at_limit || light.at_limit;
+}
+
+/// Averages the sums. The error of several primary rays: twice the standard error that their spread tells.
+PixelValues BlockRenderer::resolve(const PixelSums& pixel) const {
+  const double n = c_.settings.pixel_samples;
+  PixelValues values = pixel.values;
+  values.combined = values.combined / n;
+  values.alpha /= n;
+  values.error_estimate = pixel.error;
+  if (n > 1) {
+    const Vec3d variance = (pixel.radiance_squares / n - values.combined * values.combined) / (n - 1);
+    values.error_estimate =
+        2 * std::sqrt(std::max(max_component(variance), 0.0)) * std::exp2(c_.settings.exposure);
+  }
+  return values;
+}
+
+void BlockRenderer::write() {
+  const Rectangle& region = c_.film.region();
+  for (uint32_t i = 0; i < block_.pixels(); ++i) {
+    const uint32_t bx = i % block_.width, by = i / block_.width, x = area_.x + bx, y = area_.y + by;
+    const bool in_core = bx - block_.core_x < block_.core_width && by - block_.core_y < block_.core_height;
+    if (!in_core || x - region.x >= region.width || y - region.y >= region.height) continue;
+    tally_.pixels_at_limit += pixels_[i].at_limit;
+    if (c_.film.write(x, y, resolve(pixels_[i])) && tally_.non_finite_pixels++ == 0)
+      tally_.first_non_finite = "pixel " + std::to_string(x) + "," + std::to_string(y) + " (" +
+                                (pixels_[i].object ? *pixels_[i].object : "background") + ")";
+  }
+}
+
+}  // namespace
+
+void render_block(const RenderContext& context, const Rectangle& core, RenderTally& tally) {
+  BlockRenderer(context, core, tally).run();
+}
+
+}  // namespace penumbra
