@@ -14,8 +14,11 @@ namespace {
 /// tile needs nothing of the next one.
 constexpr int kPool = 2;
 
-/// Estimates of blocks of equal size, from the sums at their ends, tell the error of the whole: for an
-/// Owen-scrambled net the variance falls as n^-3/2, so that B blocks of n / B points overstate it by B^3/2.
+/// B blocks of n / B points overstate the variance of the whole by B to this power: 3/2 for an edge through
+/// the luminaire (Owen-scrambled nets), 1 for independent points; foliage lies between.
+constexpr double kBlockExponent = 1.35;
+
+/// Estimates of blocks of equal size, from the sums at their ends, tell the variance of the whole.
 double block_variance(const BoundedItem& item) {
   double values[3];
   int blocks = 2;
@@ -32,7 +35,7 @@ double block_variance(const BoundedItem& item) {
   double mean = 0, squares = 0;
   for (int i = 0; i < blocks; ++i) mean += values[i] / blocks;
   for (int i = 0; i < blocks; ++i) squares += (values[i] - mean) * (values[i] - mean);
-  return squares / (blocks - 1) / std::pow(blocks, 1.5);
+  return squares / (blocks - 1) / std::pow(blocks, kBlockExponent);
 }
 
 }  // namespace
@@ -108,7 +111,8 @@ double TileRefiner::error(const BoundedItem& item, const std::vector<BoundedItem
     sum += other->variance * std::pow(other->count / n, 1.5);
     ++count;
   }
-  return std::max(smoothed, std::sqrt(sum / count));
+  return std::sqrt((calibration_.prior_weight * smoothed * smoothed + sum) /
+                   (calibration_.prior_weight + count));
 }
 
 void TileRefiner::refine(std::vector<BoundedItem*>& items, std::vector<PixelLight>& pixels,

@@ -11,12 +11,13 @@ namespace penumbra {
 /// Calibrated constants; how they were found: tests/benchmarks/README.md.
 struct BoundedCalibration {
   /// Quantile that stopping tests, in units of the estimated standard error: about 99 % of the pixels.
-  double stop = 2.5;
+  double stop = 2.6;
   /// Quantile of the Error Estimate pass: 95 %.
-  double report = 2.0;
-  /// Smoothed standard error of the visible fraction: c sqrt(p (1 - p)) n^-3/4 for an Owen-scrambled
-  /// (0,2)-sequence and an edge through the luminaire.
-  double smoothed = 0.5;
+  double report = 2.3;
+  /// What an item's error is before its neighbours are asked, the smoothed standard error
+  /// c G sqrt(p (1 - p)) n^-3/4 (G: the unshadowed value, p: the visible fraction), and how many neighbours
+  /// that counts as.
+  double smoothed = 1.2, prior_weight = 6.0;
 };
 
 /// Adds points to one item up to `count` (16, or a later level), shadow rays included.
