@@ -11,7 +11,7 @@ namespace penumbra {
 namespace {
 
 /// The gate looks at pixels this far to each side; the flood carries what refining found as far again.
-constexpr int kGateReach = 2, kFloodReach = 2;
+constexpr int kGateReach = 3, kFloodReach = 2;
 constexpr uint32_t kHalo = kGateReach + kFloodReach;
 
 /// Share of a pixel's tolerance that dim luminaires may be charged for being dropped.
@@ -222,7 +222,7 @@ void BlockLight::flood() {
   }
 }
 
-/// What the first looks of 5x5 pixels can have missed is the smoothed standard error of all their points; a
+/// What the first looks around a pixel can have missed is the smoothed standard error of all their points; a
 /// pixel's share of it is reported, but no more than half the tolerance, which the calibration shows to hold.
 void BlockLight::settle_certain_items() {
   const BoundedCalibration calibration;

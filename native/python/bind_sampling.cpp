@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // penumbra_native.sample_points: the very points that rendering uses, for figures and tests.
+#include <pybind11/stl.h>
+
 #include <algorithm>
 
 #include "python/arrays.h"

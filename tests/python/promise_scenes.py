@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Scenes of different kinds for the error promise. None of them was used to find BOUNDED's constants."""
+
+import numpy as np
+import penumbra_native as pn
+from scenes import add, box, floor, rotation, scaling, sphere, translation
+
+ALBEDO = 0.8
+
+
+class Stage:
+    """A floor, seen obliquely from above; luminaires are made so that white is the largest unshadowed value."""
+
+    def __init__(self, shadows=True):
+        self.scene, self.shadows, self.count = pn.Scene(), shadows, 0
+        self.add(floor(half=20.0))
+        eye, target = np.array([5.0, -9.0, 7.0]), np.array([0.0, 0.0, 0.5])
+        back = (eye - target) / np.linalg.norm(eye - target)
+        right = np.cross([0, 0, 1], back) / np.linalg.norm(np.cross([0, 0, 1], back))
+        camera = np.eye(4)
+        camera[:3] = np.stack([right, np.cross(back, right), back, eye], axis=1)
+        self.scene.set_camera("PERSPECTIVE", camera, (-0.5, 0.5, -0.375, 0.375), (0.01, 1000.0))
+
+    def add(self, shape, matrix=None):
+        self.count += 1
+        add(self.scene, f"object {self.count}", shape, matrix, albedo=ALBEDO)
+
+    def light(self, x, y, z, size, shape="RECTANGLE", white=1.0):
+        radiance = white / ALBEDO * np.pi * z * z / (size[0] * size[1])
+        self.scene.add_area_light("light", shape, translation(x, y, z), size, (radiance,) * 3, self.shadows)
+
+
+def leaves(count, size, seed, half=2.5, height=1.5):
+    """Rhombi of random place and direction in a box over the floor."""
+    rng = np.random.default_rng(seed)
+    centre = rng.uniform([-half, -half, 0.05], [half, half, height], (count, 3))
+    a, b = rng.normal(size=(2, count, 3))
+    a *= size / np.linalg.norm(a, axis=1, keepdims=True)
+    b = np.cross(a, b)
+    b *= 0.4 * size / np.linalg.norm(b, axis=1, keepdims=True)
+    positions = np.stack([centre - a, centre + b, centre + a, centre - b], axis=1).reshape(-1, 3)
+    i = 4 * np.arange(count)
+    return positions, np.concatenate([np.stack([i, i + 1, i + 2], 1), np.stack([i, i + 2, i + 3], 1)]).astype(np.int32)
+
+
+def open_floor(stage):
+    stage.light(0.5, 0.5, 5, (2, 2))
+
+
+def solid_objects(stage):
+    stage.add(sphere([-1.2, 0.8, 1.0], 1.0, 32))
+    stage.add(box([0.5, -1.5, 0.0], [1.7, -0.4, 1.4]))
+    stage.add(sphere([1.5, 1.6, 0.5], 0.5, 24), scaling(1, 1, 1.6))
+    stage.light(2.0, -2.0, 5, (1.5, 1.5))
+
+
+def slanted_fence(stage):
+    turn = rotation([0, 0, 1], 25)
+    for i in range(26):
+        stage.add(box([-0.025, -0.015, 0], [0.025, 0.015, 1.6]), turn @ translation(-3 + 0.24 * i, 0, 0))
+    stage.light(-1.0, 4.0, 5, (2.5, 1.0))
+
+
+def wires(stage):
+    rng = np.random.default_rng(71)
+    for _ in range(16):
+        at = translation(*rng.uniform(-2, 2, 2), rng.uniform(0.3, 1.5))
+        stage.add(box([-2, -0.012, -0.012], [2, 0.012, 0.012]), at @ rotation([0, 0, 1], rng.uniform(0, 180)))
+    stage.light(-1.0, 0.5, 5, (1.2, 1.2))
+
+
+def blinds(stage):
+    for i in range(14):
+        slat = translation(0, -2 + 0.3 * i, 1.5) @ rotation([1, 0, 0], 35)
+        stage.add(box([-2, -0.1, -0.004], [2, 0.1, 0.004]), slat)
+    stage.light(0.5, 1.0, 5, (1.0, 1.0))
+
+
+def foliage(stage):
+    stage.add(leaves(2500, 0.12, seed=72))
+    stage.light(2.0, 1.0, 6, (2, 2))
+
+
+def ellipse_and_square(stage):
+    stage.add(sphere([0, 0, 0.9], 0.8, 32))
+    stage.add(leaves(200, 0.2, seed=73))
+    stage.light(2.0, -1.0, 5, (2.0, 1.0), "ELLIPSE", 0.6)
+    stage.light(-3.0, 1.0, 4, (0.5, 0.5), "RECTANGLE", 0.4)
+
+
+def many_luminaires(stage):
+    rng = np.random.default_rng(74)
+    for _ in range(12):
+        x, y = rng.uniform(-3, 3, 2)
+        stage.add(box([x - 0.3, y - 0.3, 0], [x + 0.3, y + 0.3, rng.uniform(0.3, 1.2)]))
+    for i in range(16):
+        stage.light(-4.5 + 3 * (i % 4), -4.5 + 3 * (i // 4), 4, (0.4, 0.4), white=0.25)
+
+
+SCENES = (open_floor, solid_objects, slanted_fence, wires, blinds, foliage, ellipse_and_square, many_luminaires)
+
+
+def make(function, shadows=True):
+    stage = Stage(shadows)
+    function(stage)
+    return stage.scene

@@ -1,0 +1,26 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: GPL-3.0-or-later
+# All tests, from a fresh Debian 12 machine: installs what is missing, builds, then tests the core (GoogleTest), the
+# module (pytest with NumPy scenes) and the add-on (pytest inside Blender). Works from any folder and asks no question.
+set -euo pipefail
+
+repository=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+cd "$repository"
+export PYTHONDONTWRITEBYTECODE=1
+
+bash examples/install.sh --tests
+
+echo "== build"
+cmake --preset test
+cmake --build --preset test
+
+echo "== the core"
+ctest --preset test
+
+echo "== the module"
+/usr/bin/python3 -m pytest -q -p no:cacheprovider tests/python
+
+echo "== the add-on, inside Blender"
+blender -b --factory-startup --python-exit-code 1 -P tests/blender/run_in_blender.py -- -q
+
+echo "All tests passed."
