@@ -42,7 +42,7 @@ RenderSettings read_settings(const py::dict& given) {
     if (r[2] == 0 || r[3] == 0) throw py::value_error("region is empty");
     s.region = {r[0], r[1], r[2], r[3]};
   }
-  s.stop_rule = stop_rule_from_name(setting<std::string>(given, "stop_rule", "PAPER"));
+  s.stop_rule = stop_rule_from_name(setting<std::string>(given, "stop_rule", "BOUNDED"));
   s.sampler = sampler_from_name(setting<std::string>(given, "sampler", "OWEN_SOBOL"));
   s.sample_reuse = reuse_from_name(setting<std::string>(given, "sample_reuse", "SCRAMBLED"));
   s.filter_type = filter_from_name(setting<std::string>(given, "filter_type", "BLACKMAN_HARRIS"));

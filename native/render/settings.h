@@ -21,7 +21,7 @@ struct RenderSettings {
   uint32_t width = 0, height = 0;  // full frame
   Rectangle region;                // what is rendered; all where its width is 0
 
-  StopRuleKind stop_rule = StopRuleKind::kPaper;
+  StopRuleKind stop_rule = StopRuleKind::kBounded;
   SamplerKind sampler = SamplerKind::kOwenSobol;
   SampleReuse sample_reuse = SampleReuse::kScrambled;
   uint32_t light_samples = 64;

@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""All that differs between the Blender versions Penumbra runs in (3.4 to 5.2). No other file asks for the version."""
+
+import bpy
+import numpy as np
+
+AREA_LIGHT_WATTS_OVER_FOUR_AREAS = bpy.app.version < (4, 0, 0)
+"""The radiance of an area light of power P and area A: P / (4 A) before Blender 4.0, P / (pi A) since."""
+
+FILE_PATH_OPTIONS = (
+    {"PATH_SUPPORTS_BLEND_RELATIVE"}
+    if "is_path_supports_blend_relative" in bpy.types.Property.bl_rna.properties
+    else set()
+)
+"""The options of a path property that may start with //, which newer versions want to be told."""
+
+
+def write_pass(render_pass, pixels: np.ndarray) -> None:
+    """Writes `pixels`, (N, channels) float32, into a pass of a render result.
+
+    Blender 4 takes the flat array and 3.4 insists on (N, channels): the faster is tried first.
+    """
+    try:
+        render_pass.rect.foreach_set(pixels.ravel())
+    except TypeError:
+        render_pass.rect.foreach_set(pixels)
+
+
+def has_smooth_corners(mesh) -> bool:
+    """Whether any corner normal of the mesh may differ from its face's normal."""
+    if hasattr(mesh, "normals_domain"):  # Blender 4.1+
+        return mesh.normals_domain != "FACE"
+    smooth = np.empty(len(mesh.polygons), dtype=bool)
+    mesh.polygons.foreach_get("use_smooth", smooth)
+    return bool(smooth.any()) or mesh.has_custom_normals
+
+
+def corner_normals(mesh) -> np.ndarray:
+    """(corners, 3) float32: the normal at each face corner, smoothing, sharp edges and custom normals applied."""
+    normals = np.empty((len(mesh.loops), 3), dtype=np.float32)
+    if hasattr(mesh, "corner_normals"):  # Blender 4.1+
+        mesh.corner_normals.foreach_get("vector", normals.ravel())
+    else:
+        mesh.calc_normals_split()
+        mesh.loops.foreach_get("normal", normals.ravel())
+    return normals
+
+
+def node_tree(datablock):
+    """The shader node tree in use of a material, world or light; None without one.
+
+    Where `use_nodes` is deprecated (materials and worlds from Blender 5.0 on, lights from 5.1) nodes are always used.
+    """
+    switch = datablock.bl_rna.properties.get("use_nodes")
+    if switch and not getattr(switch, "is_deprecated", False) and not datablock.use_nodes:
+        return None
+    return datablock.node_tree
+
+
+def light_casts_shadows(light) -> bool:
+    """Whether a light casts shadows. In older versions Cycles has a switch of its own beside Blender's: both count."""
+    return light.use_shadow and getattr(getattr(light, "cycles", None), "cast_shadow", True)
+
+
+def set_file_format(image_settings, file_format: str) -> None:
+    """Chooses the file format of a scene's pictures; from Blender 5.0 on the kind of medium has to be chosen first."""
+    if hasattr(image_settings, "media_type"):
+        image_settings.media_type = "MULTI_LAYER_IMAGE" if file_format == "OPEN_EXR_MULTILAYER" else "IMAGE"
+    image_settings.file_format = file_format

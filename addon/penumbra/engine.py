@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The render engine as Blender sees it: export, render, bring finished buckets back, say what was done.
+
+Only `self.report({"ERROR"}, ...)` makes Blender fail: after an exception, `error_set` or a cancelled result it saves
+whatever picture there is and a headless run exits with 0. So all of render() is wrapped.
+"""
+
+import traceback
+from time import perf_counter
+
+import bpy
+
+from . import native, passes, properties, statistics
+from .export import ExportCancelled, ExportError, export_scene
+from .export.camera import frame_size, render_region
+from .notes import Notes
+
+POLL_SECONDS = 0.05
+STATUS_SECONDS = 0.5
+
+
+class PenumbraRenderEngine(bpy.types.RenderEngine):
+    bl_idname = "PENUMBRA"
+    bl_label = "Penumbra"
+    bl_use_preview = False
+    bl_use_shading_nodes_custom = False  # offer Blender's own shader nodes in the node editor
+
+    def update_render_passes(self, scene=None, renderlayer=None):
+        passes.register(self, scene, renderlayer)
+
+    def render(self, depsgraph):
+        """Renders one view layer; called by Blender once for each."""
+        try:
+            self.render_view_layer(depsgraph)
+        except ExportCancelled:
+            pass
+        except (ExportError, ValueError, RuntimeError, OSError) as error:  # texts that name their object
+            self.report({"ERROR"}, f"Penumbra: {error}")
+        except MemoryError:
+            self.report({"ERROR"}, "Penumbra: out of memory")
+        except Exception as error:
+            traceback.print_exc()
+            self.report({"ERROR"}, f"Penumbra: internal failure: {type(error).__name__}: {error}")
+
+    def render_view_layer(self, depsgraph) -> None:
+        """Everything from the evaluated scene to the pixels in Blender's render result; raises on any failure."""
+        pn = native.require()
+        scene, view_layer = depsgraph.scene_eval, depsgraph.view_layer_eval
+        statistics_path = statistics.file_path(scene, scene.frame_current)
+        if statistics_path:
+            statistics.check_writable(statistics_path)
+        size, region = frame_size(scene), render_region(scene)
+        self.check_region(region)
+        notes = Notes()
+
+        start = perf_counter()
+        self.update_stats("", "Exporting the scene")
+        exported = export_scene(pn, depsgraph, self.camera_override, notes, self.test_break)
+        seconds = {"export": perf_counter() - start, "return": 0.0}
+
+        self.update_stats("", "Building the ray tracing structure")
+        names = [entry.name for entry in passes.wanted_by(view_layer)]
+        render = pn.Render(exported, properties.native_settings(scene, size, region, names))
+        passes.add_to_result(self, view_layer)
+        cancelled = self.collect(render, view_layer, seconds)
+
+        found = render.statistics()
+        for text in found["warnings"]:
+            notes.add(text)
+        self.publish(view_layer, statistics.of_view_layer(found, seconds, notes.texts, cancelled), statistics_path)
+
+    def check_region(self, region: tuple[int, int, int, int]) -> None:
+        """Raises RuntimeError if Blender's render result has another size than the border computed here."""
+        probe = self.begin_result(0, 0, 2**20, 2**20)
+        size = probe.resolution_x, probe.resolution_y
+        self.end_result(probe, cancel=True)
+        if size != region[2:]:
+            raise RuntimeError(
+                f"render border: Blender renders {size[0]} x {size[1]} pixels, expected {region[2]} x {region[3]}"
+            )
+
+    def collect(self, render, view_layer, seconds: dict[str, float]) -> bool:
+        """Runs the render and writes each finished bucket; True if the user cancelled it."""
+        cancelled, told = False, perf_counter()
+        render.start()
+        try:
+            while not render.done:
+                buckets = render.wait(POLL_SECONDS)
+                start = perf_counter()
+                for bucket in buckets:
+                    passes.write_bucket(self, render, view_layer, bucket)
+                seconds["return"] += perf_counter() - start
+                self.update_progress(render.progress)
+                if perf_counter() - told >= STATUS_SECONDS:  # a line in the log of a headless run
+                    told = perf_counter()
+                    self.update_stats("", f"Rendered {100 * render.progress:.0f} %")
+                if not cancelled and self.test_break():
+                    cancelled = True
+                    render.cancel()
+        except BaseException:
+            render.cancel()
+            raise
+        finally:
+            render.finish()
+        return cancelled
+
+    def publish(self, view_layer, layer_statistics: dict, path) -> None:
+        """Adds a view layer's statistics to the frame's: panel, picture metadata, file."""
+        layers = getattr(self, "layer_statistics", {}) | {view_layer.name: layer_statistics}
+        self.layer_statistics = layers
+        statistics.last_render = total = statistics.merge(layers)
+        result = self.get_result()  # only after end_result do fields reach the file's header
+        for name, text in statistics.metadata(total).items():
+            result.stamp_data_add_field(name, text)
+        if path:
+            statistics.write(path, total)
+
+
+def register() -> None:
+    bpy.utils.register_class(PenumbraRenderEngine)
+
+
+def unregister() -> None:
+    bpy.utils.unregister_class(PenumbraRenderEngine)

@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Blender's evaluated scene -> the native renderer's. `export_scene` is the table of contents of this room."""
+
+from collections.abc import Callable
+
+from ..notes import Notes
+from . import camera, world
+from .errors import ExportCancelled, ExportError
+from .luminaires import Luminaires
+from .materials import Materials
+from .meshes import Meshes
+
+__all__ = ["ExportCancelled", "ExportError", "export_scene"]
+
+OBJECTS_BETWEEN_BREAKS = 256
+LEFT_OUT = {
+    "CURVES": "hair curves",
+    "POINTCLOUD": "point clouds",
+    "VOLUME": "volumes",
+    "GPENCIL": "grease pencil strokes",
+    "GREASEPENCIL": "grease pencil strokes",
+}
+
+
+def export_scene(pn, depsgraph, camera_object, notes: Notes, is_cancelled: Callable[[], bool] = lambda: False):
+    """The native scene of an evaluated depsgraph, all in world space and metres.
+
+    pn: the native module. camera_object: the evaluated camera, None for the scene's own. notes: gets one note for each
+    thing that Penumbra renders differently from what the file asks. Raises ExportError or ValueError naming the object
+    at fault; ExportCancelled as soon as `is_cancelled()` is seen.
+    """
+    scene = pn.Scene()
+    materials = Materials(scene, notes, depsgraph.view_layer_eval.material_override)
+    meshes = Meshes(scene, materials, notes)
+    luminaires = Luminaires(scene, notes)
+
+    camera.export(scene, depsgraph, camera_object, notes)
+    world.export(scene, depsgraph.scene_eval, notes)
+    for count, instance in enumerate(depsgraph.object_instances):
+        if count % OBJECTS_BETWEEN_BREAKS == 0 and is_cancelled():
+            raise ExportCancelled
+        if not instance.show_self:
+            continue
+        kind = instance.object.type
+        if kind == "MESH":  # curves, text, surfaces and metaballs come as instances of a mesh, too
+            meshes.add(instance)
+        elif kind == "LIGHT":
+            luminaires.add(instance)
+        elif kind in LEFT_OUT:
+            notes.add(f"object {instance.object.name!r}: {LEFT_OUT[kind]} are not supported yet and were left out")
+    return scene

@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Mesh-like objects: each evaluated mesh is exported once, each place it appears in is an instance of it."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from .. import compat
+from ..notes import Notes
+from .materials import Materials
+
+
+class MeshArrays(NamedTuple):
+    """A mesh in object space, as the native scene takes it."""
+
+    positions: np.ndarray
+    """(V, 3) float32"""
+    triangles: np.ndarray
+    """(T, 3) int32, indices of vertices"""
+    corner_normals: np.ndarray | None
+    """(T, 3, 3) float32, one at each corner of each triangle; None: flat"""
+    material_slots: np.ndarray
+    """(T,) int32"""
+
+
+def read_mesh(mesh) -> MeshArrays:
+    """Copies an evaluated mesh into arrays."""
+    mesh.calc_loop_triangles()
+    positions = np.empty((len(mesh.vertices), 3), dtype=np.float32)
+    mesh.vertices.foreach_get("co", positions.ravel())
+    triangles, corners = (np.empty((len(mesh.loop_triangles), 3), dtype=np.int32) for _ in range(2))
+    mesh.loop_triangles.foreach_get("vertices", triangles.ravel())
+    material_slots = np.empty(len(mesh.loop_triangles), dtype=np.int32)
+    mesh.loop_triangles.foreach_get("material_index", material_slots)
+    corner_normals = None
+    if len(triangles) and compat.has_smooth_corners(mesh):
+        mesh.loop_triangles.foreach_get("loops", corners.ravel())
+        corner_normals = compat.corner_normals(mesh)[corners]
+    return MeshArrays(positions, triangles, corner_normals, material_slots)
+
+
+def unsupported(evaluated_object) -> list[str]:
+    """What an object asks for that Penumbra leaves out."""
+    found = [text for flag, text in (("is_holdout", "holdout"), ("is_shadow_catcher", "shadow catcher"))
+             if getattr(evaluated_object, flag, False)]  # fmt: skip
+    if not all(getattr(evaluated_object, flag, True) for flag in ("visible_camera", "visible_shadow")):
+        found.append("ray visibility")
+    if any(s.settings.type == "HAIR" and s.settings.render_type == "PATH" for s in evaluated_object.particle_systems):
+        found.append("particle hair")
+    return found
+
+
+class Meshes:
+    """The native scene's meshes and instances."""
+
+    def __init__(self, native_scene, materials: Materials, notes: Notes) -> None:
+        self._scene, self._materials, self._notes = native_scene, materials, notes
+        self._mesh_ids: dict[int, int | None] = {}
+        self._slots: dict[tuple[int, int], list[int]] = {}
+
+    def add(self, instance) -> None:
+        """Adds one entry of depsgraph.object_instances whose object is a mesh.
+
+        The key is the evaluated mesh: Blender gives all instances, and all objects that share a mesh and do not modify
+        it, the same one. Its materials may still differ by object (slots linked to the object).
+        """
+        evaluated_object = instance.object
+        mesh_key = evaluated_object.data.as_pointer()
+        if mesh_key not in self._mesh_ids:
+            self._mesh_ids[mesh_key] = self._export(evaluated_object)
+        mesh_id = self._mesh_ids[mesh_key]
+        if mesh_id is None:
+            return
+        slots_key = mesh_key, evaluated_object.original.as_pointer()
+        if slots_key not in self._slots:
+            self._slots[slots_key] = self._materials.of_slots(evaluated_object)
+            if found := unsupported(evaluated_object):
+                self._notes.add(f"object {evaluated_object.name!r}: {', '.join(found)} not supported yet and ignored")
+        matrix = np.array(instance.matrix_world, dtype=np.float64)
+        self._scene.add_instance(evaluated_object.name, mesh_id, matrix, self._slots[slots_key])
+
+    def _export(self, evaluated_object) -> int | None:
+        """The native id of an object's mesh, None if it has no triangles.
+
+        Read in place, not through to_mesh(): on the temporary objects that stand for geometry nodes' instances
+        to_mesh() leaks. Only an object in edit mode needs it, as its mesh is still in the editor's own form.
+        """
+        mesh = evaluated_object.data
+        is_edited = mesh.is_editmode
+        arrays = read_mesh(evaluated_object.to_mesh() if is_edited else mesh)
+        if is_edited:
+            evaluated_object.to_mesh_clear()
+        return self._scene.add_mesh(evaluated_object.name, *arrays) if len(arrays.triangles) else None

@@ -1,0 +1,210 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The panels: settings, passes, lights, the last render's statistics, the add-on's preferences."""
+
+import bpy
+
+from . import native, statistics
+
+BLENDER_PANELS = (
+    "MATERIAL_PT_preview",
+    "EEVEE_MATERIAL_PT_context_material",
+    "EEVEE_MATERIAL_PT_surface",
+    "EEVEE_WORLD_PT_surface",
+    "DATA_PT_preview",
+)
+"""Blender's own panels that are of use here but do not list the classic engine."""
+
+NOT_FOR_US = (
+    "DATA_PT_area",
+    "RENDER_PT_freestyle",
+    "RENDER_PT_gpencil",
+    "RENDER_PT_stereoscopy",
+    "RENDER_PT_output_views",
+)
+"""Panels that list the classic engine, but show what Penumbra does not do, or shows in a panel of its own."""
+
+
+def show_native_failure(layout) -> None:
+    """One sentence, if the native module is missing."""
+    if native.reason:
+        box = layout.box()
+        box.alert = True
+        for start in range(0, len(native.reason), 70):
+            box.label(text=native.reason[start : start + 70], icon="NONE" if start else "ERROR")
+
+
+class PenumbraPreferences(bpy.types.AddonPreferences):
+    bl_idname = __package__
+
+    def draw(self, context):
+        if native.module is None:
+            show_native_failure(self.layout)
+        else:
+            self.layout.label(text=f"Native renderer {native.module.__version__}, {native.module.isa}")
+            self.layout.label(text=native.module.build)
+
+
+class PropertiesPanel:
+    """A panel of the properties editor, for this engine only."""
+
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    bl_context = "render"
+    COMPAT_ENGINES = {"PENUMBRA"}
+
+    @classmethod
+    def poll(cls, context):
+        return context.engine in cls.COMPAT_ENGINES
+
+    def column(self):
+        self.layout.use_property_split = True
+        self.layout.use_property_decorate = False
+        return self.layout.column()
+
+
+class PENUMBRA_RENDER_PT_error(PropertiesPanel, bpy.types.Panel):
+    bl_label = "Error"
+
+    def draw(self, context):
+        show_native_failure(self.layout)
+        settings, column = context.scene.penumbra, self.column()
+        column.prop(settings, "stop_rule")
+        if settings.stop_rule == "FIXED":
+            column.prop(settings, "light_samples")
+        else:
+            column.prop(settings, "error_tolerance")
+            column.prop(settings, "max_light_samples")
+        if settings.stop_rule == "PAPER":
+            column.prop(settings, "check_interval")
+
+
+class PENUMBRA_RENDER_PT_sampling(PropertiesPanel, bpy.types.Panel):
+    bl_label = "Sampling"
+
+    def draw(self, context):
+        settings, column = context.scene.penumbra, self.column()
+        column.prop(settings, "sampler")
+        row = column.row()
+        row.active = settings.sampler not in {"PRS", "SPRS"}
+        row.prop(settings, "sample_reuse")
+        column.prop(settings, "seed")
+
+
+class PENUMBRA_RENDER_PT_pixels(PropertiesPanel, bpy.types.Panel):
+    bl_label = "Antialiasing"
+    bl_parent_id = "PENUMBRA_RENDER_PT_sampling"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        settings, column = context.scene.penumbra, self.column()
+        column.prop(settings, "pixel_samples")
+        column = column.column()
+        column.active = settings.pixel_samples > 1
+        column.prop(settings, "filter_type")
+        column.prop(settings, "filter_width")
+
+
+class PENUMBRA_RENDER_PT_paths(PropertiesPanel, bpy.types.Panel):
+    bl_label = "Light Paths"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        self.column().prop(context.scene.penumbra, "mirror_depth")
+
+
+class PENUMBRA_RENDER_PT_film(PropertiesPanel, bpy.types.Panel):
+    bl_label = "Film"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        self.column().prop(context.scene.render, "film_transparent", text="Transparent")
+
+
+class PENUMBRA_RENDER_PT_performance(PropertiesPanel, bpy.types.Panel):
+    bl_label = "Performance"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        render, column = context.scene.render, self.column()
+        column.prop(render, "threads_mode")
+        row = column.row()
+        row.active = render.threads_mode == "FIXED"
+        row.prop(render, "threads")
+
+
+class PENUMBRA_RENDER_PT_statistics(PropertiesPanel, bpy.types.Panel):
+    bl_label = "Statistics"
+
+    def draw(self, context):
+        self.column().prop(context.scene.penumbra, "statistics_file")
+        layout = self.layout.column(align=True)
+        last = statistics.last_render
+        if last is None:
+            layout.label(text="Nothing rendered yet")
+            return
+        for name, text in statistics.summary(last):
+            row = layout.split(factor=0.4)
+            row.label(text=name)
+            row.label(text=text)
+        for text in last["warnings"]:
+            layout.label(text=text, icon="INFO")
+
+
+class PENUMBRA_VIEWLAYER_PT_passes(PropertiesPanel, bpy.types.Panel):
+    bl_label = "Passes"
+    bl_context = "view_layer"
+
+    def draw(self, context):
+        layer, column = context.view_layer, self.column()
+        for name in ("use_pass_z", "use_pass_normal", "use_pass_position"):
+            column.prop(layer, name)
+        for name in ("use_pass_light_samples", "use_pass_error_estimate"):
+            column.prop(layer.penumbra, name)
+
+
+class PENUMBRA_LIGHT_PT_light(PropertiesPanel, bpy.types.Panel):
+    bl_label = "Luminaire"
+    bl_context = "data"
+
+    @classmethod
+    def poll(cls, context):
+        return super().poll(context) and context.light
+
+    def draw(self, context):
+        light, column = context.light, self.column()
+        if light.type != "AREA":
+            column.label(text="Only area lights are supported yet", icon="INFO")
+            return
+        column.prop(light, "color")
+        column.prop(light, "energy")
+        column.prop(light, "shape")
+        column.prop(light, "size")
+        if light.shape in ("RECTANGLE", "ELLIPSE"):
+            column.prop(light, "size_y", text="Y")
+        column.prop(light, "use_shadow", text="Cast Shadow")
+
+
+CLASSES = (PenumbraPreferences, *PropertiesPanel.__subclasses__())
+
+
+def blender_panels():
+    """Blender's panels that should be shown for this engine, too."""
+    for panel in bpy.types.Panel.__subclasses__():
+        engines = getattr(panel, "COMPAT_ENGINES", ())
+        named = panel.__name__ in BLENDER_PANELS
+        if named or ("BLENDER_RENDER" in engines and panel.__name__ not in NOT_FOR_US):
+            yield panel
+
+
+def register() -> None:
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+    for panel in blender_panels():
+        panel.COMPAT_ENGINES.add("PENUMBRA")
+
+
+def unregister() -> None:
+    for panel in blender_panels():
+        panel.COMPAT_ENGINES.discard("PENUMBRA")
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)

@@ -1,0 +1,42 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Installs the Debian packages that Penumbra needs and that are missing; asks no question, does nothing if all are there.
+#   bash examples/install.sh [--tests]      --tests: those of the tests, too
+set -euo pipefail
+
+packages=(
+  blender                                   # the host; its Python is /usr/bin/python3
+  libembree-dev libopenimageio-dev          # ray tracing, textures
+  pybind11-dev python3-dev python3-numpy    # the native module
+  cmake ninja-build g++                     # the build
+)
+if [[ "${1:-}" == --tests ]]; then
+  packages+=(libgtest-dev python3-pytest python3-openimageio)
+elif [[ $# -gt 0 ]]; then
+  echo "install.sh: unknown argument '$1' (there is only --tests)" >&2
+  exit 2
+fi
+
+missing=()
+for package in "${packages[@]}"; do
+  status=$(dpkg-query --show --showformat='${db:Status-Status}' "$package" 2>/dev/null || true)
+  [[ "$status" == installed ]] || missing+=("$package")
+done
+[[ ${#missing[@]} -gt 0 ]] || exit 0
+
+if ! command -v apt-get >/dev/null; then
+  echo "install.sh: these Debian packages are missing, and there is no apt-get to install them: ${missing[*]}" >&2
+  exit 1
+fi
+as_root=()
+if [[ $EUID -ne 0 ]]; then
+  if ! command -v sudo >/dev/null; then
+    echo "install.sh: these packages are missing; run as root: apt-get install --no-install-recommends ${missing[*]}" >&2
+    exit 1
+  fi
+  as_root=(sudo)
+fi
+echo "Installing ${missing[*]}"
+"${as_root[@]}" apt-get update -qq
+"${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
+  apt-get install --yes -qq --no-install-recommends "${missing[@]}" </dev/null

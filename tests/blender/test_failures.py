@@ -1,0 +1,147 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What cannot be rendered is an error that names its object; odd but legal scenes render."""
+
+import bpy
+import numpy as np
+import pytest
+from helpers import add_camera, add_cube, add_mesh, add_plane, link, render_pixels
+from penumbra import native
+
+
+def fails(scene, text: str) -> None:
+    with pytest.raises(RuntimeError, match=text):
+        render_pixels(scene)
+
+
+def test_no_camera(scene):
+    fails(scene, "no camera")  # Blender's own check comes first
+
+
+def test_panoramic_camera(scene):
+    add_camera(scene, "Fisheye", type="PANO")
+    fails(scene, "camera 'Fisheye': pano cameras are not supported")
+
+
+def test_a_lamp_as_camera(scene):
+    scene.camera = link(scene, "Lamp", bpy.data.lights.new("Lamp", "AREA"))
+    fails(scene, "camera 'Lamp' is no camera")
+
+
+@pytest.mark.parametrize("value", [float("nan"), float("inf")])
+def test_camera_at_no_place(scene, value):
+    add_camera(scene, "Lost").matrix_world[0][3] = value
+    fails(scene, "camera 'Lost': its position or rotation is not a finite number")
+
+
+@pytest.mark.parametrize(
+    ("settings", "text"),
+    [
+        ({"clip_start": 5.0, "clip_end": 2.0}, "clip start 5 m is not below clip end 2 m"),
+        ({"clip_start": 2.0, "clip_end": 2.0}, "clip start 2 m is not below clip end 2 m"),
+    ],
+)
+def test_degenerate_cameras(scene, settings, text):
+    add_camera(scene, "Odd", **settings)
+    fails(scene, f"camera 'Odd': .*{text}")
+
+
+def test_orthographic_scale_of_zero(scene):
+    add_camera(scene, "Odd", type="ORTHO", ortho_scale=0.0)
+    if bpy.app.version < (5, 0, 0):
+        fails(scene, "camera 'Odd': .* leaves nothing to see")
+    else:  # Blender sees a nanometre then
+        assert np.isfinite(render_pixels(scene)["Combined"]).all()
+
+
+def test_camera_of_no_scale(scene):
+    add_camera(scene, "Flat").scale = (1, 0, 1)
+    fails(scene, "camera 'Flat': its scale is zero")
+
+
+def test_stereoscopy(scene):
+    add_camera(scene)
+    scene.render.use_multiview = True
+    fails(scene, "camera 'Camera': stereoscopy")
+
+
+def test_a_vertex_that_is_no_number_names_the_object(lit_scene):
+    broken = add_mesh(lit_scene, "Broken mesh", [(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
+    broken.data.vertices[1].co.x = float("nan")
+    fails(lit_scene, "Broken mesh: vertex 1 is not finite")
+
+
+def test_settings_that_do_not_fit_are_both_named(lit_scene):
+    lit_scene.penumbra.sampler, lit_scene.penumbra.stop_rule = "SPRS", "PAPER"
+    fails(lit_scene, "(?s)SPRS.*stop_rule")
+    lit_scene.penumbra.stop_rule, lit_scene.penumbra.light_samples = "FIXED", 60
+    fails(lit_scene, "(?s)SPRS.*light_samples")
+
+
+def test_names_with_odd_characters(lit_scene):
+    name = "Ünï 'quoted'\nline %s {x} 光"
+    broken = add_mesh(lit_scene, name, [(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
+    render_pixels(lit_scene)
+    broken.data.vertices[1].co.x = float("nan")
+    fails(lit_scene, "(?s)Ünï 'quoted'\nline %s {x} 光")
+
+
+def test_an_unexpected_failure_is_an_error_too(lit_scene, monkeypatch):
+    class Broken:
+        def Scene(self):  # noqa: N802
+            raise ZeroDivisionError("on purpose")
+
+    monkeypatch.setattr(native, "module", Broken())
+    fails(lit_scene, "internal failure: ZeroDivisionError: on purpose")
+
+
+def test_a_worker_that_fails_is_an_error(lit_scene, monkeypatch):
+    class Failing:
+        """A render whose threads fail after a few buckets, as after an error inside Embree."""
+
+        def __init__(self, render):
+            self._render = render
+
+        def __getattr__(self, name):
+            return getattr(self._render, name)
+
+        def finish(self):
+            self._render.finish()
+            raise RuntimeError("embree: out of memory")
+
+    class Module:
+        def __getattr__(self, name):
+            return getattr(real, name)
+
+        def Render(self, *arguments):  # noqa: N802
+            return Failing(real.Render(*arguments))
+
+    real = native.module
+    monkeypatch.setattr(native, "module", Module())
+    fails(lit_scene, "embree: out of memory")
+
+
+def test_an_empty_scene_is_its_background(scene):
+    add_camera(scene)
+    scene.world = bpy.data.worlds.new("World")
+    scene.world.use_nodes = True
+    scene.world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.25, 0.5, 1, 1)
+    pixels = render_pixels(scene)["Combined"]
+    np.testing.assert_allclose(pixels, np.broadcast_to([0.25, 0.5, 1, 1], pixels.shape))
+
+
+def test_no_lights_are_black(scene):
+    add_camera(scene)
+    add_plane(scene)
+    assert not render_pixels(scene)["Combined"][..., :3].any()
+
+
+@pytest.mark.parametrize("size", [(4, 4), (5, 300), (300, 5), (65, 63)])
+def test_odd_sizes(lit_scene, size):
+    add_cube(lit_scene)
+    lit_scene.render.resolution_x, lit_scene.render.resolution_y = size
+    assert render_pixels(lit_scene)["Combined"].shape == (size[1], size[0], 4)
+
+
+def test_camera_inside_an_object(lit_scene):
+    add_cube(lit_scene, size=40)
+    assert np.isfinite(render_pixels(lit_scene)["Combined"]).all()
