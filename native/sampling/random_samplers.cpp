@@ -36,12 +36,17 @@ SprsSampler::SprsSampler(const SamplerSettings& settings)
 
 void SprsSampler::points(const StreamKey& key, uint32_t first, uint32_t count, float* u, float* v) const {
   jitter_.points(key, first, count, u, v);
-  const float largest = 1.0f - 0x1p-24f, side = float(side_);
   for (uint32_t i = 0; i < count; ++i) {
     const uint32_t cell = std::min(first + i, side_ * side_ - 1);
-    u[i] = std::min((float(cell % side_) + u[i]) / side, largest);
-    v[i] = std::min((float(cell / side_) + v[i]) / side, largest);
+    u[i] = inside_cell(cell % side_, u[i]);
+    v[i] = inside_cell(cell / side_, v[i]);
   }
+}
+
+float SprsSampler::inside_cell(uint32_t cell, float jitter) const {
+  // In units of 2^-24 and rounded towards the cell's inside, so that no point lands in the next cell.
+  const uint64_t low = uint64_t(cell) << 24, moved = low + uint64_t(jitter * 0x1p24f);
+  return float(std::max(moved / side_, (low + side_ - 1) / side_)) * 0x1p-24f;
 }
 
 }  // namespace penumbra

@@ -23,6 +23,8 @@ class SprsSampler final : public Sampler {
   void points(const StreamKey& key, uint32_t first, uint32_t count, float* u, float* v) const override;
 
  private:
+  float inside_cell(uint32_t cell, float jitter) const;
+
   PrsSampler jitter_;
   uint32_t side_;
 };

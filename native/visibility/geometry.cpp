@@ -110,8 +110,16 @@ SurfacePoint Geometry::surface_point(const Ray& ray, const Hit& hit) const {
   s.normal = s.geometric_normal;
   if (!mesh.corner_normals.empty()) {
     const Vec3f* n = &mesh.corner_normals[3 * size_t(hit.triangle)];
-    const Vec3d interpolated = Vec3d(n[0]) * (1 - h.u - h.v) + Vec3d(n[1]) * h.u + Vec3d(n[2]) * h.v;
-    const Vec3d smooth = normalize(instance.render_from_object.normal(interpolated)) * orientation;
+    const auto placed = [&](const Vec3d& normal) {
+      return normalize(instance.render_from_object.normal(normal)) * orientation;
+    };
+    // As Cycles does: a mesh used once is interpolated where it is placed, a shared one in its own space.
+    // Under a stretching transform the two differ a little; neither is more right.
+    const double weights[3] = {1 - h.u - h.v, h.u, h.v};
+    Vec3d interpolated;
+    for (int i = 0; i < 3; ++i)
+      interpolated += (instance.shared ? Vec3d(n[i]) : placed(Vec3d(n[i]))) * weights[i];
+    const Vec3d smooth = instance.shared ? placed(interpolated) : normalize(interpolated);
     if (is_finite(smooth) && dot(smooth, smooth) > 0) s.normal = smooth;
   }
   if (dot(s.geometric_normal, ray.direction) > 0) {

@@ -142,15 +142,21 @@ def test_a_picture_of_an_earlier_run_survives_a_failure(run, blend_file):
     assert (blend_file.parent / "out.exr").read_bytes() == before
 
 
-def test_interrupting_leaves_nothing_behind(blend_file):
+def test_interrupting_leaves_nothing_behind(blend_file, tmp_path):
+    started = tmp_path / "started"
+    handler = (
+        f"import bpy, pathlib; bpy.app.handlers.render_init.append(lambda *_: pathlib.Path({str(started)!r}).touch())"
+    )
     arguments = ["--output", "out.exr", "--set", "stop_rule=FIXED", "light_samples=400000"]
     process = subprocess.Popen(
-        [bpy.app.binary_path, "-b", "--factory-startup", blend_file, "-P", SCRIPT, "--", *arguments],
+        [bpy.app.binary_path, "-b", "--factory-startup", blend_file, "--python-expr", handler, "-P", SCRIPT, "--"]
+        + arguments,
         cwd=blend_file.parent, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
     )  # fmt: skip
-    for line in process.stdout:
-        if "Rendered" in line:
-            break
+    deadline = time.monotonic() + 60
+    while not started.exists() and time.monotonic() < deadline:
+        time.sleep(0.1)
+    time.sleep(1.0)  # into the render, which takes many times that
     process.send_signal(signal.SIGINT)
     start = time.monotonic()
     _, errors = process.communicate(timeout=60)
