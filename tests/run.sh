@@ -6,6 +6,7 @@ set -euo pipefail
 
 repository=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 cd "$repository"
+export PATH=/usr/bin:$PATH  # Debian's Blender takes the standard library of the first python3 on the PATH
 export PYTHONDONTWRITEBYTECODE=1
 
 bash examples/install.sh --tests

@@ -44,7 +44,7 @@ class BlockRenderer {
  private:
   Ray primary_ray(uint32_t x, uint32_t y, uint32_t s) const;
   void trace(uint32_t s);
-  void follow(Ray ray, Hit hit, uint32_t pixel, uint32_t s);
+  void follow(const Ray& ray, const Hit& hit, uint32_t pixel, uint32_t s);
   void add_light(PixelSums& pixel, const PixelLight& light) const;
   PixelValues resolve(const PixelSums& pixel) const;
   void write();
@@ -93,46 +93,18 @@ void BlockRenderer::trace(uint32_t s) {
   }
 }
 
-/// The path of one primary ray through mirrors: a point to light at each surface, background at its end.
-void BlockRenderer::follow(Ray ray, Hit hit, uint32_t pixel, uint32_t s) {
-  const uint32_t depth = c_.scene.has_mirrors() ? c_.settings.mirror_depth : 0;
-  const Background& background = c_.scene.background();
-  PixelSums& sums = pixels_[pixel];
-  if (!hit.found()) {
-    if (!background.transparent) {
-      background_[pixel] = background.color;
-      sums.values.alpha += 1;
-    }
-    if (s == 0) sums.values.depth = PixelValues::kNoDepth;
-    return;
-  }
-  sums.values.alpha += 1;
+/// The points that one primary ray sees; its data passes, if it is the pixel's first.
+void BlockRenderer::follow(const Ray& ray, const Hit& hit, uint32_t pixel, uint32_t s) {
   const uint64_t frame_pixel =
       uint64_t(area_.y + pixel / block_.width) * c_.settings.width + area_.x + pixel % block_.width;
-  Vec3d throughput{1, 1, 1};
-  for (uint32_t bounce = 0;; ++bounce) {
-    const SurfacePoint surface = c_.geometry.surface_point(ray, hit);
-    const Material& material = c_.scene.materials()[surface.material];
-    const uint64_t stream = (frame_pixel * c_.settings.pixel_samples + s) * (depth + 1) + bounce;
-    points_.push_back({surface, ray.direction, &material, throughput, stream, pixel, bounce});
-    if (bounce == 0 && s == 0) {  // data passes are not filtered
-      sums.values.depth = surface.t;
-      sums.values.normal = surface.normal;
-      sums.values.position = c_.geometry.normalization().world_point(surface.position);
-      sums.object = &c_.geometry.name_of(hit);
-    }
-
-    throughput = throughput * material.mirror;
-    if (bounce == depth || max_component(throughput) == 0) return;
-    ray = {surface.position + surface.geometric_normal * surface.rounding,
-           normalize(reflect(ray.direction, surface.normal)), 0, 1e30};
-    c_.geometry.intersect(&ray, 1, &hit);
-    ++tally_.mirror_rays;
-    if (!hit.found()) {
-      background_[pixel] = throughput * background.color;
-      return;
-    }
-  }
+  const PathEnd end = c_.paths.follow(ray, hit, pixel, frame_pixel * c_.settings.pixel_samples + s, points_,
+                                      tally_.mirror_rays);
+  PixelSums& sums = pixels_[pixel];
+  background_[pixel] = end.background;
+  sums.values.alpha += end.alpha;
+  if (s > 0) return;  // data passes are not filtered
+  sums.object = end.object;
+  set_data_passes(sums.values, end, c_.geometry.normalization());
 }
 
 void BlockRenderer::add_light(PixelSums& pixel, const PixelLight& light) const {
@@ -173,6 +145,12 @@ void BlockRenderer::write() {
 }
 
 }  // namespace
+
+void set_data_passes(PixelValues& values, const PathEnd& end, const Normalization& normalization) {
+  values.depth = end.hit ? end.first.t : PixelValues::kNoDepth;
+  values.normal = end.hit ? end.first.normal : Vec3d{};
+  values.position = end.hit ? normalization.world_point(end.first.position) : Vec3d{};
+}
 
 void render_block(const RenderContext& context, const Rectangle& core, RenderTally& tally) {
   BlockRenderer(context, core, tally).run();

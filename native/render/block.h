@@ -7,6 +7,7 @@
 #include "lighting/lighting.h"
 #include "render/camera_rays.h"
 #include "render/film.h"
+#include "render/paths.h"
 
 namespace penumbra {
 
@@ -20,6 +21,7 @@ struct RenderContext {
   const Scene& scene;
   const Geometry& geometry;
   const CameraRays& camera;
+  const PathTracer& paths;
   const Lighting& lighting;
   const PixelFilter& filter;
   const Sampler& pixel_sampler;
@@ -32,6 +34,9 @@ struct RenderTally {
   uint64_t pixels_at_limit = 0, non_finite_pixels = 0;
   std::string first_non_finite;  // which pixel, and the object seen there
 };
+
+/// Depth, normal and position of what a path met first.
+void set_data_passes(PixelValues& values, const PathEnd& end, const Normalization& normalization);
 
 /// Renders the pixels of `core` (full frame) and writes those that lie in the film's region.
 void render_block(const RenderContext& context, const Rectangle& core, RenderTally& tally);

@@ -51,6 +51,7 @@ Renderer::Renderer(std::shared_ptr<const Scene> scene, std::shared_ptr<const Geo
       pixel_sampler_(make_sampler(pixel_sampler_settings(settings_))),
       filter_(settings_.filter_type, settings_.filter_width),
       camera_(scene_->camera(), geometry_->normalization(), settings_.width, settings_.height),
+      paths_(*scene_, *geometry_, settings_),
       lighting_(make_lighting(*scene_, *geometry_, *light_sampler_, settings_)) {
   make_buckets();
 }
@@ -112,7 +113,7 @@ void Renderer::start() {
 }
 
 void Renderer::work(RenderTally& tally) {
-  const RenderContext context{settings_,  *scene_, *geometry_,      camera_,
+  const RenderContext context{settings_,  *scene_, *geometry_,      camera_, paths_,
                               *lighting_, filter_, *pixel_sampler_, film_};
   while (!cancelled_) {
     const size_t i = next_++;

@@ -64,6 +64,7 @@ class Renderer {
   std::unique_ptr<Sampler> light_sampler_, pixel_sampler_;
   PixelFilter filter_;
   CameraRays camera_;
+  PathTracer paths_;
   std::unique_ptr<Lighting> lighting_;
 
   std::vector<std::unique_ptr<Bucket>> buckets_;

@@ -25,6 +25,10 @@ extern const DigitalMatrices kNumericalRecipesSobol;
 /// Van der Corput x the second Sobol' dimension (Pascal's triangle mod 2): a (0,2)-sequence in base 2.
 extern const DigitalMatrices kZeroTwoSobol;
 
+/// Sobol' in four dimensions, two for the place in the pixel and two for the place on the luminaire: together
+/// they are stratified as padded pairs are not.
+extern const DigitalMatrices kSobolPixel, kSobolLight;
+
 /// Point of a digital sequence in the order of Antonov and Saleev, which Numerical Recipes uses: the
 /// exclusive or of the columns that the digits of the index's Gray code select. Blocks [j 2^k, (j+1) 2^k)
 /// hold the same points as in the natural order.

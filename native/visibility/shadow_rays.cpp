@@ -62,4 +62,30 @@ uint32_t ShadowRays::hide(const float* x, const float* y, const float* z, float*
   return count;
 }
 
+void ShadowQueue::add(const SurfacePoint& surface, const Vec3f& to_light, uint8_t& visible) {
+  visible = 0;
+  const bool front = dot(Vec3f(surface.geometric_normal), to_light) >= 0;
+  const ShadowSide start = side(surface, front ? 1 : -1);
+  const Vec3f direction = to_light + start.to_surface_point;
+  if (!is_finite(start.origin) || !is_finite(direction) || max_abs(direction) == 0) return;
+  const uint32_t i = count_++;
+  packet_.org_x[i] = start.origin.x, packet_.org_y[i] = start.origin.y, packet_.org_z[i] = start.origin.z;
+  packet_.dir_x[i] = direction.x, packet_.dir_y[i] = direction.y, packet_.dir_z[i] = direction.z;
+  packet_.tnear[i] = 0, packet_.tfar[i] = kReach, packet_.time[i] = 0, packet_.mask[i] = ~0u;
+  valid_[i] = -1;
+  results_[i] = &visible;
+  if (count_ == kPacket) flush();
+}
+
+void ShadowQueue::flush() {
+  if (!count_) return;
+  embree::occluded16(valid_, geometry_.embree_scene(), packet_);
+  for (uint32_t i = 0; i < count_; ++i) {
+    *results_[i] = packet_.tfar[i] >= 0;
+    valid_[i] = 0;
+  }
+  traced_ += count_;
+  count_ = 0;
+}
+
 }  // namespace penumbra

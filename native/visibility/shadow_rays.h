@@ -35,4 +35,25 @@ class ShadowRays {
   bool usable_;
 };
 
+/// Shadow rays from many shading points to a point each, traced a packet at a time.
+class ShadowQueue {
+ public:
+  explicit ShadowQueue(const Geometry& geometry) : geometry_(geometry) {}
+
+  /// A ray from a surface point along `to_light`, which ends on the luminaire. `visible` is set to 1 or 0 at
+  /// the latest by flush(), and must live until then.
+  void add(const SurfacePoint& surface, const Vec3f& to_light, uint8_t& visible);
+  void flush();
+
+  uint64_t traced() const { return traced_; }
+
+ private:
+  const Geometry& geometry_;
+  alignas(64) RTCRay16 packet_;
+  alignas(64) int valid_[kPacket] = {};
+  uint8_t* results_[kPacket];
+  uint32_t count_ = 0;
+  uint64_t traced_ = 0;
+};
+
 }  // namespace penumbra

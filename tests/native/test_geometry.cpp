@@ -125,16 +125,43 @@ int nearest(const Mesh& mesh, const Affine& world, const Vec3d& o, const Vec3d& 
   return best;
 }
 
-TEST(Geometry, NormalsFollowMirroredAndUnevenInstances) {
-  // Geometric: perpendicular to the transformed triangle, on the viewer's side. Smooth: of a mesh used once,
-  // the unit normals that the inverse transpose gives at the corners, interpolated; turned to the same side
-  // as its own facet was.
+/// The corner normals of a triangle at a point of it (object space), placed by the inverse transpose: each
+/// corner placed and then interpolated, or interpolated in object space and then placed.
+Vec3d smooth_normal(const Mesh& mesh, size_t index, const Affine& world, const Vec3d& local,
+                    bool in_object_space) {
+  const auto& t = mesh.triangles[index];
+  const Vec3d a = mesh.positions[t[0]], e1 = mesh.positions[t[1]] - a, e2 = mesh.positions[t[2]] - a;
+  const Vec3d facet = cross(e1, e2);
+  const double area = dot(facet, facet);
+  const double u = dot(cross(local - a, e2), facet) / area, v = dot(cross(e1, local - a), facet) / area;
+  const double weights[3] = {1 - u - v, u, v};
+  // Inverse transpose: n' . (M w) = n . w for all w; cofactors divided by the determinant.
+  const auto placed = [&](const Vec3d& n) { return normalize(world.normal(n) * (1 / world.determinant())); };
+  Vec3d sum;
+  for (int k = 0; k < 3; ++k) {
+    const Vec3d corner(mesh.corner_normals[3 * index + size_t(k)]);
+    sum += (in_object_space ? corner : placed(corner)) * weights[k];
+  }
+  return in_object_space ? placed(sum) : normalize(sum);
+}
+
+class Normals : public ::testing::TestWithParam<bool> {};
+INSTANTIATE_TEST_SUITE_P(SingleAndShared, Normals, ::testing::Bool());
+
+TEST_P(Normals, FollowMirroredAndUnevenInstances) {
+  // Geometric: perpendicular to the transformed triangle, on the viewer's side. Smooth: placed by the inverse
+  // transpose and turned to the same side as their own facet; as in Cycles a shared mesh interpolates in
+  // object space, one used once where it is placed. Vertices rounded by 2^-24 of the scene turn a facet by
+  // 1e-6 or so, up to ten times that where the transform squeezes it.
+  const bool shared = GetParam();
   Trials trials(3);
   int seen = 0, mirrored = 0;
   for (int trial = 0; trial < 400; ++trial) {
     const Affine world = trials.transform(3);
     const Mesh mesh = corner();
-    const Geometry geometry({mesh}, {{"one", 0, world, {0}}});
+    std::vector<Instance> instances{{"one", 0, world, {0}}};
+    if (shared) instances.push_back({"two", 0, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {20, 0, 0}}, {0}});
+    const Geometry geometry({mesh}, instances);
     const Vec3d target = world.point({0.3, 0.4, 0.2}), d = trials.direction(), origin = target - d * 3.0;
     WorldTriangle w;
     const int index = nearest(mesh, world, origin, d, 1e-4, w);
@@ -144,25 +171,14 @@ TEST(Geometry, NormalsFollowMirroredAndUnevenInstances) {
     if (std::abs(dot(n, d)) < 0.1) continue;  // grazing: the position's rounding grows
     ++seen;
     mirrored += world.determinant() < 0;
-    const Vec3d geometric = dot(n, d) > 0 ? -n : n;
-    EXPECT_LE(max_abs(s.geometric_normal - geometric), 2e-5) << "trial " << trial;
+    EXPECT_LE(max_abs(s.geometric_normal - (dot(n, d) > 0 ? -n : n)), 1e-4) << "trial " << trial;
 
-    const Vec3d exact_hit = geometry.normalization().world_point(s.position),
-                local = world.inverse_point(exact_hit);
     const auto& t = mesh.triangles[size_t(index)];
-    const Vec3d a = mesh.positions[t[0]], e1 = mesh.positions[t[1]] - a, e2 = mesh.positions[t[2]] - a;
-    const Vec3d facet = cross(e1, e2);
-    const double u = dot(cross(local - a, e2), facet) / dot(facet, facet),
-                 v = dot(cross(e1, local - a), facet) / dot(facet, facet);
-    const Vec3f* corners = &mesh.corner_normals[3 * size_t(index)];
-    // Inverse transpose: n' . (M w) = n . w for all w.
-    const auto placed = [&](const Vec3f& n) {
-      return normalize(world.normal(Vec3d(n)) * (1 / world.determinant()));
-    };
-    Vec3d smooth =
-        normalize(placed(corners[0]) * (1 - u - v) + placed(corners[1]) * u + placed(corners[2]) * v);
+    const Vec3d a = mesh.positions[t[0]], facet = cross(mesh.positions[t[1]] - a, mesh.positions[t[2]] - a);
+    const Vec3d local = world.inverse_point(geometry.normalization().world_point(s.position));
+    Vec3d smooth = smooth_normal(mesh, size_t(index), world, local, shared);
     if (dot(world.normal(facet) * (1 / world.determinant()), d) > 0) smooth = -smooth;
-    EXPECT_LE(max_abs(s.normal - smooth), 1e-4) << "trial " << trial;
+    EXPECT_LE(max_abs(s.normal - smooth), 2e-4) << "trial " << trial;
   }
   EXPECT_GT(seen, 150);
   EXPECT_GT(mirrored, 40);
@@ -209,7 +225,9 @@ TEST(Geometry, SharedAndFlattenedMeshesGiveTheSamePoints) {
       EXPECT_LE(max_abs(p.geometric_normal - q.geometric_normal), 1e-4);
       // A shared mesh's normals are interpolated in its own space, the other's where it is placed: the same
       // as long as the transform keeps angles.
-      if (trial % 2) EXPECT_LE(max_abs(p.normal - q.normal), 1e-4);
+      if (trial % 2) {
+        EXPECT_LE(max_abs(p.normal - q.normal), 1e-4);
+      }
     }
   }
   EXPECT_GT(compared, 1000);

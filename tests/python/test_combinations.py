@@ -98,6 +98,13 @@ def test_a_grid_cannot_grow(rule):
         render(lit_floor(), 4, sampler="SPRS", stop_rule=rule)
 
 
+@pytest.mark.parametrize("sampler, reuse", [c for c in itertools.product(SAMPLERS, REUSES) if c != ("OWEN_SOBOL", "SCRAMBLED")])
+def test_bounded_needs_its_sampler(sampler, reuse):
+    """SPRS is refused for its grid, by its own message; all others for the error estimate."""
+    with pytest.raises(ValueError, match=r"(?s)(BOUNDED.*sampler.*sample_reuse|SPRS.*stop_rule)"):
+        render(lit_floor(), 4, stop_rule="BOUNDED", sampler=sampler, sample_reuse=reuse)
+
+
 @pytest.mark.parametrize("count", [2, 63, 65])
 def test_a_grid_needs_a_square_number(count):
     with pytest.raises(ValueError, match=r"(?s)SPRS.*light_samples"):

@@ -63,9 +63,10 @@ def test_pixels_without_a_surface_cost_nothing():
     assert s.statistics["light_points"] == hits * 16 == s.light_samples.sum()
 
 
-def test_points_decided_without_a_ray():
+@pytest.mark.parametrize("rule", ["FIXED", "PAPER", "VARIANCE", "BOUNDED"])
+def test_points_decided_without_a_ray(rule):
     """A luminaire behind the floor: each pixel's pair with it needs none."""
-    s = render(lit_floor(light=translation(0, 0, -1)), WIDTH, HEIGHT).statistics
+    s = render(lit_floor(light=translation(0, 0, -1)), WIDTH, HEIGHT, stop_rule=rule).statistics
     assert s["points_without_ray"] == WIDTH * HEIGHT
     assert s["shadow_rays"] == s["light_points"] == 0
 
