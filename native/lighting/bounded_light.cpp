@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "lighting/bounded_refine.h"
+#include "lighting/spread.h"
 #include "visibility/shadow_rays.h"
 
 namespace penumbra {
@@ -21,20 +22,6 @@ constexpr double kDropShare = 0.25;
 constexpr uint32_t kPhongPoints = 1024;
 
 enum Seen : uint8_t { kLit = 1, kDark = 2 };
-
-/// Ors each pixel's flags over the square of (2 reach + 1)^2 pixels around it.
-void spread(std::vector<uint8_t>& flags, uint32_t width, uint32_t height, int reach) {
-  std::vector<uint8_t> rows(flags.size(), 0);
-  for (uint32_t y = 0; y < height; ++y)
-    for (uint32_t x = 0; x < width; ++x)
-      for (int d = -reach; d <= reach; ++d)
-        if (int(x) + d >= 0 && x + d < width) rows[y * width + x] |= flags[y * width + x + d];
-  std::fill(flags.begin(), flags.end(), uint8_t(0));
-  for (uint32_t y = 0; y < height; ++y)
-    for (int d = -reach; d <= reach; ++d)
-      if (int(y) + d >= 0 && y + d < height)
-        for (uint32_t x = 0; x < width; ++x) flags[y * width + x] |= rows[(y + d) * width + x];
-}
 
 /// The light of one block, step by step.
 class BlockLight {

@@ -23,12 +23,25 @@ T setting(const py::dict& given, const char* name, const T& standard) {
 }
 
 RenderSettings read_settings(const py::dict& given) {
-  static const std::vector<std::string> known{
-      "width",          "height",        "region",          "stop_rule",
-      "sampler",        "sample_reuse",  "light_samples",   "max_light_samples",
-      "check_interval", "pixel_samples", "filter_type",     "filter_width",
-      "mirror_depth",   "seed",          "error_tolerance", "exposure",
-      "threads",        "passes"};
+  static const std::vector<std::string> known{"width",
+                                              "height",
+                                              "region",
+                                              "stop_rule",
+                                              "sampler",
+                                              "sample_reuse",
+                                              "light_samples",
+                                              "max_light_samples",
+                                              "check_interval",
+                                              "pixel_samples",
+                                              "max_pixel_samples",
+                                              "filter_type",
+                                              "filter_width",
+                                              "mirror_depth",
+                                              "seed",
+                                              "error_tolerance",
+                                              "exposure",
+                                              "threads",
+                                              "passes"};
   for (const auto& item : given) {
     const auto name = py::str(item.first).cast<std::string>();
     if (std::find(known.begin(), known.end(), name) == known.end())
@@ -50,6 +63,7 @@ RenderSettings read_settings(const py::dict& given) {
   s.max_light_samples = setting(given, "max_light_samples", s.max_light_samples);
   s.check_interval = setting(given, "check_interval", s.check_interval);
   s.pixel_samples = setting(given, "pixel_samples", s.pixel_samples);
+  s.max_pixel_samples = setting(given, "max_pixel_samples", s.max_pixel_samples);
   s.filter_width = setting(given, "filter_width", s.filter_width);
   s.mirror_depth = setting(given, "mirror_depth", s.mirror_depth);
   // Blender's seeds are signed; all 32 bits count.

@@ -19,15 +19,10 @@ struct PixelSums {
 class BlockRenderer {
  public:
   BlockRenderer(const RenderContext& context, const Rectangle& core, RenderTally& tally)
-      : c_(context), tally_(tally) {
-    const uint32_t halo = c_.lighting.halo();
-    const uint32_t right = std::min(core.x + core.width, c_.settings.width);
-    const uint32_t top = std::min(core.y + core.height, c_.settings.height);
-    area_.x = core.x - std::min(core.x, halo);
-    area_.y = core.y - std::min(core.y, halo);
-    area_.width = std::min(right + halo, c_.settings.width) - area_.x;
-    area_.height = std::min(top + halo, c_.settings.height) - area_.y;
-    block_ = {area_.width, area_.height, core.x - area_.x, core.y - area_.y, right - core.x, top - core.y};
+      : c_(context),
+        tally_(tally),
+        area_(with_halo(core, context.lighting.halo(), context.settings)),
+        block_(block_of(core, area_, context.settings)) {
     pixels_.resize(block_.pixels());
   }
 
@@ -139,12 +134,34 @@ void BlockRenderer::write() {
     if (!in_core || x - region.x >= region.width || y - region.y >= region.height) continue;
     tally_.pixels_at_limit += pixels_[i].at_limit;
     if (c_.film.write(x, y, resolve(pixels_[i])) && tally_.non_finite_pixels++ == 0)
-      tally_.first_non_finite = "pixel " + std::to_string(x) + "," + std::to_string(y) + " (" +
-                                (pixels_[i].object ? *pixels_[i].object : "background") + ")";
+      tally_.first_non_finite = pixel_name(x, y, pixels_[i].object);
   }
 }
 
 }  // namespace
+
+Rectangle with_halo(const Rectangle& core, uint32_t halo, const RenderSettings& settings) {
+  Rectangle area;
+  area.x = core.x - std::min(core.x, halo);
+  area.y = core.y - std::min(core.y, halo);
+  area.width = std::min(core.x + core.width + halo, settings.width) - area.x;
+  area.height = std::min(core.y + core.height + halo, settings.height) - area.y;
+  return area;
+}
+
+Block block_of(const Rectangle& core, const Rectangle& area, const RenderSettings& settings) {
+  return {area.width,
+          area.height,
+          core.x - area.x,
+          core.y - area.y,
+          std::min(core.x + core.width, settings.width) - core.x,
+          std::min(core.y + core.height, settings.height) - core.y};
+}
+
+std::string pixel_name(uint32_t x, uint32_t y, const std::string* object) {
+  return "pixel " + std::to_string(x) + "," + std::to_string(y) + " (" + (object ? *object : "background") +
+         ")";
+}
 
 void set_data_passes(PixelValues& values, const PathEnd& end, const Normalization& normalization) {
   values.depth = end.hit ? end.first.t : PixelValues::kNoDepth;

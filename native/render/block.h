@@ -8,6 +8,7 @@
 #include "render/camera_rays.h"
 #include "render/film.h"
 #include "render/paths.h"
+#include "sampling/pixel_light_sampler.h"
 
 namespace penumbra {
 
@@ -22,9 +23,11 @@ struct RenderContext {
   const Geometry& geometry;
   const CameraRays& camera;
   const PathTracer& paths;
+  const std::vector<Luminaire>& luminaires;
   const Lighting& lighting;
   const PixelFilter& filter;
   const Sampler& pixel_sampler;
+  const PixelLightSampler& pixel_light_sampler;
   Film& film;
 };
 
@@ -34,6 +37,13 @@ struct RenderTally {
   uint64_t pixels_at_limit = 0, non_finite_pixels = 0;
   std::string first_non_finite;  // which pixel, and the object seen there
 };
+
+/// `core` with a halo, clipped to the frame; and the block that they make.
+Rectangle with_halo(const Rectangle& core, uint32_t halo, const RenderSettings& settings);
+Block block_of(const Rectangle& core, const Rectangle& area, const RenderSettings& settings);
+
+/// "pixel X,Y (OBJECT)", for messages.
+std::string pixel_name(uint32_t x, uint32_t y, const std::string* object);
 
 /// Depth, normal and position of what a path met first.
 void set_data_passes(PixelValues& values, const PathEnd& end, const Normalization& normalization);

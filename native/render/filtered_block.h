@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// BOUNDED with antialiasing: the promise is about the filtered pixel, and primary rays are part of what it costs.
+// BOUNDED with antialiasing: the promise is about the filtered pixel, and primary rays are part of what it
+// costs.
 #pragma once
 
 #include "render/block.h"
 
 namespace penumbra {
 
-/// Like render_block, but with as many primary rays in each pixel as its tolerance needs: four at first; where
-/// they, or their neighbours', tell of an edge or of penumbra, 16 and more, each with one ray to each luminaire
-/// that may be in penumbra there.
+/// Like render_block, but with as many primary rays in each pixel as its tolerance needs: four at first;
+/// where they, or their neighbours', tell of an edge or of penumbra, 16 and more, each with one ray to each
+/// luminaire that may be in penumbra there.
 void render_filtered_block(const RenderContext& context, const Rectangle& core, RenderTally& tally);
 
 /// Pixels around a block that it looks at.

@@ -3,9 +3,10 @@
 #pragma once
 
 #include <array>
-#include <vector>
+#include <span>
 
 #include "render/film.h"
+#include "render/paths.h"
 
 namespace penumbra {
 
@@ -14,8 +15,8 @@ inline constexpr uint32_t kFirstSamples = 4;
 
 /// Sums over a pixel's samples for one slot: one luminaire, one lobe, one number of mirrors before.
 struct SlotSums {
-  Vec3d unshadowed;       // radiance without visibility, exact for the diffuse lobe
-  double w = 0, wv = 0;   // weight of the sampled point, and weight times visibility
+  Vec3d unshadowed;      // radiance without visibility; exact for the diffuse lobe
+  double w = 0, wv = 0;  // weight of the sampled point, and weight times visibility
 
   friend SlotSums operator-(const SlotSums& a, const SlotSums& b) {
     return {a.unshadowed - b.unshadowed, a.w - b.w, a.wv - b.wv};
@@ -24,35 +25,48 @@ struct SlotSums {
 
 struct Slot {
   SlotSums now, half, power;  // now, and at the two powers of two before
-  Vec3d fitted;               // first samples' unshadowed radiance at the pixel's centre, by a plane through them
-  uint8_t lit = 0, dark = 0;  // rays of the first look
+  Vec3d fitted;  // unshadowed radiance at the pixel's centre, by a plane through the first samples
+  bool lit = false, dark = false;  // seen by some ray
   bool uncertain = false;
 
-  /// Visible fraction, by the rays of `s`, or of all where `s` has none.
-  double visible(const SlotSums& s) const;
+  /// Radiance from `s`, sums over `count` samples: unshadowed mean x visible fraction.
+  Vec3d radiance(const SlotSums& s, double count) const { return s.unshadowed / count * visible(s); }
+  Vec3d fitted_radiance() const { return fitted * (lit ? 1.0 : 0.0); }
+
+ private:
+  double visible(const SlotSums& s) const {
+    if (!uncertain) return lit ? 1.0 : 0.0;
+    return s.w > 0 ? s.wv / s.w : now.w > 0 ? now.wv / now.w : 0.0;
+  }
 };
 
 struct FilteredPixel {
-  uint32_t count = 0;                                       // samples
-  Vec3d background, background_half, background_power;      // sums
-  Vec3d background_fitted;
-  double x = 0, xx = 0;                                     // sums of each sample's own value, display units
-  double fit_residual = 0;                                  // of the plane through the first samples, display units
-  double variance = 0;                                      // of the estimate, by its blocks, display units squared
-  double alpha = 0, charged = 0;                            // sum; error of what was left out
+  uint32_t count = 0;                                                      // samples
+  Vec3d background, background_half, background_power, background_fitted;  // sums; at the centre
+  double alpha = 0;
+  double x = 0, xx = 0;  // sums of each sample's own value and its square, display units
+  double residual = 0;   // of the plane through the first samples' unshadowed values, display units
+  double variance = 0;   // of the estimate, by its blocks, display units squared
+  double charged = 0;    // error of what was left out, display units
+  double error = 0;      // reported
   uint64_t light_points = 0;
   bool uncertain = false, at_limit = false;
-  double error = 0;
   PathEnd first;
+
+  /// From all samples so far.
+  Vec3d estimate(std::span<const Slot> slots) const;
+  /// From the first samples, nothing being uncertain: at the pixel's centre.
+  Vec3d fitted(std::span<const Slot> slots) const;
+  /// After the samples up to `count`, a level: the variance that its blocks tell; remembers the sums.
+  void close_level(std::span<Slot> slots, double display_scale);
 };
 
-/// Mean radiance of `count` samples from their sums.
-Vec3d filtered_estimate(const std::vector<Slot>& slots, size_t begin, size_t end, const Vec3d& background,
-                        double count, SlotSums (*part)(const Slot&));
-
-/// Weights h of four samples at offsets (x, y) from the pixel's centre, such that sum h f is exact there for
-/// every linear f: the intercept of the least-squares plane. Equal weights where the points are nearly on a line.
-std::array<double, kFirstSamples> plane_weights(const std::array<double, kFirstSamples>& x,
-                                                const std::array<double, kFirstSamples>& y);
+/// Weights h of four samples at offsets (x, y) from the pixel's centre, such that sum h f is f's value there
+/// for every linear f (the intercept of the least-squares plane), and weights r such that |sum r f| is the
+/// residual. Equal weights, and no residual, where the points are nearly on a line.
+struct PlaneFit {
+  std::array<double, kFirstSamples> h, r;
+  PlaneFit(const std::array<double, kFirstSamples>& x, const std::array<double, kFirstSamples>& y);
+};
 
 }  // namespace penumbra

@@ -13,7 +13,7 @@ PathEnd PathTracer::follow(Ray ray, Hit hit, uint32_t pixel, uint64_t stream, st
       end.background = background.color;
       end.alpha = 1;
     }
-    end.object = nullptr;
+
     return end;
   }
   end.alpha = 1;

@@ -15,7 +15,7 @@ struct PathEnd {
   double alpha = 0;           // 0 where the primary ray meets nothing and the film is transparent
   bool hit = false;           // the primary ray met something,
   SurfacePoint first;         // here
-  const std::string* object;  // and on this object
+  const std::string* object = nullptr;  // and on this object
 };
 
 class PathTracer {

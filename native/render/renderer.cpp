@@ -10,6 +10,7 @@
 #include "lighting/bounded_light.h"
 #include "lighting/direct_light.h"
 #include "math/simd.h"
+#include "render/filtered_block.h"
 
 namespace penumbra {
 namespace {
@@ -23,19 +24,23 @@ SamplerSettings pixel_sampler_settings(const RenderSettings& settings) {
   return {SamplerKind::kOwenSobol, SampleReuse::kScrambled, settings.seed, settings.pixel_samples, true};
 }
 
-std::unique_ptr<Lighting> make_lighting(const Scene& scene, const Geometry& geometry, const Sampler& sampler,
-                                        const RenderSettings& settings) {
+std::vector<Luminaire> emitting_luminaires(const Scene& scene, const Normalization& normalization) {
   std::vector<Luminaire> luminaires;
   for (const AreaLuminaire& description : scene.luminaires()) {
-    const Luminaire luminaire(description, geometry.normalization());
+    const Luminaire luminaire(description, normalization);
     if (!luminaire.dark()) luminaires.push_back(luminaire);
   }
+  return luminaires;
+}
+
+std::unique_ptr<Lighting> make_lighting(const Geometry& geometry, const std::vector<Luminaire>& luminaires,
+                                        const Sampler& sampler, const RenderSettings& settings) {
   const double display_scale = std::exp2(settings.exposure);
   if (settings.stop_rule == StopRuleKind::kBounded)
     return std::make_unique<BoundedLight>(
-        geometry, std::move(luminaires), sampler,
+        geometry, luminaires, sampler,
         BoundedSettings{settings.error_tolerance, display_scale, settings.max_light_samples});
-  return std::make_unique<DirectLight>(geometry, std::move(luminaires), sampler, settings.stop_settings(),
+  return std::make_unique<DirectLight>(geometry, luminaires, sampler, settings.stop_settings(),
                                        display_scale);
 }
 
@@ -52,7 +57,9 @@ Renderer::Renderer(std::shared_ptr<const Scene> scene, std::shared_ptr<const Geo
       filter_(settings_.filter_type, settings_.filter_width),
       camera_(scene_->camera(), geometry_->normalization(), settings_.width, settings_.height),
       paths_(*scene_, *geometry_, settings_),
-      lighting_(make_lighting(*scene_, *geometry_, *light_sampler_, settings_)) {
+      pixel_light_sampler_(settings_.filtered() ? settings_.max_pixel_samples : 0, settings_.seed),
+      luminaires_(emitting_luminaires(*scene_, geometry_->normalization())),
+      lighting_(make_lighting(*geometry_, luminaires_, *light_sampler_, settings_)) {
   make_buckets();
 }
 
@@ -113,13 +120,15 @@ void Renderer::start() {
 }
 
 void Renderer::work(RenderTally& tally) {
-  const RenderContext context{settings_,  *scene_, *geometry_,      camera_, paths_,
-                              *lighting_, filter_, *pixel_sampler_, film_};
+  const RenderContext context{settings_,   *scene_,    *geometry_, camera_,         paths_,
+                              luminaires_, *lighting_, filter_,    *pixel_sampler_, pixel_light_sampler_,
+                              film_};
   while (!cancelled_) {
     const size_t i = next_++;
     if (i >= work_.size()) return;
     Bucket& bucket = *buckets_[work_[i].first];
-    render_block(context, bucket.blocks[work_[i].second], tally);
+    const auto render = settings_.filtered() ? render_filtered_block : render_block;
+    render(context, bucket.blocks[work_[i].second], tally);
     ++blocks_done_;
     if (--bucket.blocks_left == 0) {
       const Rectangle& area = bucket.area;

@@ -65,6 +65,8 @@ class Renderer {
   PixelFilter filter_;
   CameraRays camera_;
   PathTracer paths_;
+  PixelLightSampler pixel_light_sampler_;
+  std::vector<Luminaire> luminaires_;  // those that emit
   std::unique_ptr<Lighting> lighting_;
 
   std::vector<std::unique_ptr<Bucket>> buckets_;

@@ -36,6 +36,7 @@ RenderSettings RenderSettings::validated() const {
   require_samples("light_samples", light_samples);
   require_samples("max_light_samples", max_light_samples);
   require_samples("pixel_samples", pixel_samples);
+  require_samples("max_pixel_samples", max_pixel_samples);
   require(check_interval >= 1 && check_interval <= kMostSamples, "check_interval must be at least 1");
   require(std::isfinite(error_tolerance) && error_tolerance > 0,
           "error_tolerance must be positive and finite");

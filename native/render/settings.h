@@ -28,6 +28,7 @@ struct RenderSettings {
   uint32_t max_light_samples = 8192;
   uint32_t check_interval = 5;
   uint32_t pixel_samples = 1;
+  uint32_t max_pixel_samples = 8192;
   FilterKind filter_type = FilterKind::kBlackmanHarris;
   double filter_width = 1.5;  // pixels
   uint32_t mirror_depth = 4;
@@ -40,6 +41,9 @@ struct RenderSettings {
   /// Checks every setting and each combination; throws std::invalid_argument naming the settings. Returns a
   /// copy with the region filled in.
   RenderSettings validated() const;
+
+  /// BOUNDED with antialiasing: pixel_samples above 1 only turns it on.
+  bool filtered() const { return stop_rule == StopRuleKind::kBounded && pixel_samples > 1; }
 
   StopSettings stop_settings() const;
   SamplerSettings sampler_settings() const;

@@ -78,12 +78,13 @@ void SequenceSampler::fill_table() {
 
 void SequenceSampler::sort_table() {
   // Only the points that are used change places; scrambling and digit order keep neighbours together.
-  const auto code = [this](uint32_t i) {
+  std::vector<uint32_t> codes(settings_.samples_per_stream);
+  for (uint32_t i = 0; i < codes.size(); ++i) {
     const FixedPoint2 p = base_point(i);
-    return morton_code(p.u, p.v);
-  };
+    codes[i] = morton_code(p.u, p.v);
+  }
   std::stable_sort(index_.begin(), index_.begin() + settings_.samples_per_stream,
-                   [&](uint32_t a, uint32_t b) { return code(a) < code(b); });
+                   [&](uint32_t a, uint32_t b) { return codes[a] < codes[b]; });
 }
 
 void SequenceSampler::points(const StreamKey& key, uint32_t first, uint32_t count, float* u, float* v) const {

@@ -35,8 +35,8 @@ def clip(polygon, point, normal):
 def lambert(polygon, point, normal):
     """Form factor of a flat polygon that emits to both sides, from one surface element: Lambert 1760.
 
-    F = |sum of Gamma_i n . c_i / |c_i|| / (2 pi), c_i = a_i x edge_i, Gamma_i = atan2(|c_i|, a_i . a_(i+1)); the edge form
-    keeps digits where the polygon is small or far. The polygon is clipped to the element's horizon first.
+    F = |sum of Gamma_i n . c_i / |c_i|| / (2 pi), c_i = a_i x edge_i, Gamma_i = atan2(|c_i|, a_i . a_(i+1)); the
+    edge form keeps digits where the polygon is small or far. The polygon is clipped to the element's horizon first.
     """
     p = clip(np.asarray(polygon, float), point, normal)
     if len(p) < 3:
@@ -70,7 +70,12 @@ def parallel_rectangle(x, y, half, h):
         ra, rb = np.sqrt(1 + a * a), np.sqrt(1 + b * b)
         return (a / ra * np.arctan(b / ra) + b / rb * np.arctan(a / rb)) / (2 * np.pi)
 
-    return corner(x + half, y + half) - corner(x - half, y + half) - corner(x + half, y - half) + corner(x - half, y - half)
+    return (
+        corner(x + half, y + half)
+        - corner(x - half, y + half)
+        - corner(x + half, y - half)
+        + corner(x - half, y - half)
+    )
 
 
 def perpendicular_rectangle(a, b, c):
@@ -98,7 +103,8 @@ def triangles_of(positions, triangles):
 
 
 def occluded(origins, targets, triangles):
-    """Does any of (T, 3, 3) triangles lie between origins (N, 3) and targets (N, 3)? Moeller and Trumbore 1997, float64."""
+    """Does any of (T, 3, 3) triangles lie between origins (N, 3) and targets (N, 3)? Moeller and Trumbore 1997,
+    float64."""
     a, e1, e2 = triangles[:, 0], triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
     hit = np.zeros(len(origins), bool)
     for begin in range(0, len(origins), 4096):
@@ -117,8 +123,8 @@ def occluded(origins, targets, triangles):
 
 
 def summands(position, normal, matrix, size, points):
-    """area x cos cos' / (pi r^2) for points (N, 2) of the unit square on a rectangular luminaire that emits towards its
-    local -z, and the points' places (N, 3). The mean is the form factor."""
+    """area x cos cos' / (pi r^2) for points (N, 2) of the unit square on a rectangular luminaire that emits towards
+    its local -z, and the points' places (N, 3). The mean is the form factor."""
     local = np.column_stack([(points[:, 0] - 0.5) * size[0], (points[:, 1] - 0.5) * size[1], np.zeros(len(points))])
     places = local @ matrix[:3, :3].T + matrix[:3, 3]
     across = np.cross(matrix[:3, 0] * size[0], matrix[:3, 1] * size[1])

@@ -73,7 +73,9 @@ def apply(matrix, points):
 def parallelogram(corner, u, v, columns=1, rows=1):
     """A flat grid of columns x rows cells of two triangles; its normal is u x v."""
     s, t = np.meshgrid(np.linspace(0, 1, columns + 1), np.linspace(0, 1, rows + 1))
-    positions = np.asarray(corner, float) + s.reshape(-1, 1) * np.asarray(u, float) + t.reshape(-1, 1) * np.asarray(v, float)
+    positions = (
+        np.asarray(corner, float) + s.reshape(-1, 1) * np.asarray(u, float) + t.reshape(-1, 1) * np.asarray(v, float)
+    )
     i = (np.arange(rows)[:, None] * (columns + 1) + np.arange(columns)).ravel()
     a, b, c, d = i, i + 1, i + columns + 2, i + columns + 1
     return positions, np.stack([a, b, c, a, c, d], axis=1).reshape(-1, 3).astype(np.int32)
@@ -96,10 +98,17 @@ def sphere(centre, radius, segments=16):
     rings = segments // 2
     theta = np.pi * np.arange(1, rings) / rings
     phi = 2 * np.pi * np.arange(segments) / segments
-    ring = np.stack(np.broadcast_arrays(np.sin(theta)[:, None] * np.cos(phi), np.sin(theta)[:, None] * np.sin(phi),
-                                        np.cos(theta)[:, None]), axis=-1).reshape(-1, 3)
+    ring = np.stack(
+        np.broadcast_arrays(
+            np.sin(theta)[:, None] * np.cos(phi), np.sin(theta)[:, None] * np.sin(phi), np.cos(theta)[:, None]
+        ),
+        axis=-1,
+    ).reshape(-1, 3)
     positions = np.concatenate([ring, [[0, 0, 1], [0, 0, -1]]]) * radius + np.asarray(centre, float)
-    at = lambda i, k: i * segments + k % segments  # noqa: E731
+
+    def at(i, k):
+        return i * segments + k % segments
+
     north, south = len(ring), len(ring) + 1
     triangles = [(north, at(0, k), at(0, k + 1)) for k in range(segments)]
     triangles += [(south, at(rings - 2, k + 1), at(rings - 2, k)) for k in range(segments)]

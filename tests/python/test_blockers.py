@@ -16,16 +16,18 @@ def blocked_floor(*blockers, half=2.0, light=None, cast_shadow=True):
     add(scene, "floor", floor(), albedo=RHO)
     for index, (shape, matrix) in enumerate(blockers):
         add(scene, f"blocker {index}", shape, matrix)
-    scene.add_area_light("key", "RECTANGLE", light_above(HEIGHT) if light is None else light, SIZE, (RADIANCE,) * 3, cast_shadow)
+    scene.add_area_light(
+        "key", "RECTANGLE", light_above(HEIGHT) if light is None else light, SIZE, (RADIANCE,) * 3, cast_shadow
+    )
     # From below the blockers, which start at height 0.5 here: the camera's plane is at 0.4.
     look_down(scene, half, 0.4)
     return scene
 
 
 def test_half_covered_light_gives_half():
-    """A half plane whose edge lies exactly over x = 0, under the middle of the luminaire: points of the floor at x = 0 see
-    the half with x < 0. Pixels whose centre is at x = 0 need an odd width. An edge along the luminaire's axis is one
-    Owen-Sobol' points resolve to 1/N of the points: 1e-3 with 4096."""
+    """A half plane whose edge lies exactly over x = 0, under the middle of the luminaire: points of the floor at x
+    = 0 see the half with x < 0. Pixels whose centre is at x = 0 need an odd width. An edge along the luminaire's
+    axis is one Owen-Sobol' points resolve to 1/N of the points: 1e-3 with 4096."""
     scene = blocked_floor((parallelogram([0, -4, 1], [4, 0, 0], [0, 8, 0]), None))
     picture = render(scene, 9, 9, stop_rule="FIXED", light_samples=4096)
     middle = picture.red[:, 4]
@@ -35,8 +37,8 @@ def test_half_covered_light_gives_half():
 
 
 def visible_through(point, edges, height, light):
-    """The part of a luminaire that a point sees past vertical planes through horizontal edges, each (point on the edge,
-    horizontal normal towards the open side): clipped by planes through the shading point and the edge."""
+    """The part of a luminaire that a point sees past vertical planes through horizontal edges, each (point on the
+    edge, horizontal normal towards the open side): clipped by planes through the shading point and the edge."""
     planes = []
     for on_edge, open_side in edges:
         along = np.cross(UP, open_side)
@@ -47,8 +49,9 @@ def visible_through(point, edges, height, light):
 
 @pytest.mark.parametrize("turn", [0, 30])
 def test_slit(turn):
-    """A slit 0.25 wide, turned, in a plate half way up: Lambert's formula on what is left of the luminaire. Two edges cut
-    the points: a standard error of 0.35 N^-0.75, 7e-4 of the unshadowed value with 4096 points; seven of them."""
+    """A slit 0.25 wide, turned, in a plate half way up: Lambert's formula on what is left of the luminaire. Two
+    edges cut the points: a standard error of 0.35 N^-0.75, 7e-4 of the unshadowed value with 4096 points; seven of
+    them."""
     matrix = rotation(UP, turn)
     left = parallelogram([-8, -8, 1], [7.875, 0, 0], [0, 16, 0])
     right = parallelogram([0.125, -8, 1], [7.875, 0, 0], [0, 16, 0])
@@ -73,12 +76,19 @@ BLOCKERS = {
 
 @pytest.mark.parametrize("name", BLOCKERS)
 def test_brute_force_with_the_same_points(name):
-    """The pixel's own light points through sample_points, every triangle in float64. A ray within float rounding of an
-    edge may go either way: one of 64 points in at most 1 % of the pixels; all others to float rounding of the summands."""
+    """The pixel's own light points through sample_points, every triangle in float64. A ray within float rounding of
+    an edge may go either way: one of 64 points in at most 1 % of the pixels; all others to float rounding of the
+    summands."""
     shape, matrix = BLOCKERS[name]
     n, width = 64, 12
-    picture = render(blocked_floor((shape, matrix)), width, stop_rule="PAPER", check_interval=n, error_tolerance=1e-12,
-                     max_light_samples=2 * n)
+    picture = render(
+        blocked_floor((shape, matrix)),
+        width,
+        stop_rule="PAPER",
+        check_interval=n,
+        error_tolerance=1e-12,
+        max_light_samples=2 * n,
+    )
     triangles = oracles.triangles_of(shape[0] if matrix is None else apply(matrix, shape[0]), shape[1])
     wrong, shadowed = 0, 0
     for index in np.ndindex(picture.red.shape):
@@ -97,9 +107,9 @@ def test_brute_force_with_the_same_points(name):
 
 @pytest.mark.parametrize("name", BLOCKERS)
 def test_brute_force_with_dense_points(name):
-    """Its own 96 x 96 grid of points on the luminaire instead: what the picture should converge to. Standard error of 1024
-    Owen-Sobol' points with an edge: 0.5 x 1024^-0.75 = 3e-3 of the unshadowed value; the worst of 36 pixels: 1e-2; the
-    mean over the picture a tenth of that."""
+    """Its own 96 x 96 grid of points on the luminaire instead: what the picture should converge to. Standard error
+    of 1024 Owen-Sobol' points with an edge: 0.5 x 1024^-0.75 = 3e-3 of the unshadowed value; the worst of 36
+    pixels: 1e-2; the mean over the picture a tenth of that."""
     shape, matrix = BLOCKERS[name]
     picture = render(blocked_floor((shape, matrix), half=1.0), 6, stop_rule="FIXED", light_samples=1024)
     triangles = oracles.triangles_of(shape[0] if matrix is None else apply(matrix, shape[0]), shape[1])
@@ -115,7 +125,8 @@ def test_brute_force_with_dense_points(name):
 
 
 def test_closed_box_keeps_everything_inside():
-    """The luminaire in a closed box: not a trace outside, over 64 x 64 x 256 rays; the same without shadows is bright."""
+    """The luminaire in a closed box: not a trace outside, over 64 x 64 x 256 rays; the same without shadows is
+    bright."""
     shell = (box([-0.8, -0.8, 1.5], [0.8, 0.8, 2.5]), rotation([1, 2, 3], 0))
     assert (render(blocked_floor(shell), 64, stop_rule="FIXED", light_samples=256).red == 0).all()
     assert (render(blocked_floor(shell, cast_shadow=False), 16).red > 0).all()

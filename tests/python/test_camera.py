@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Primary rays against positions computed by hand: cameras, clip range, background, filter, data passes.
 
-Position and Depth are float32 of a hit in double on a triangle whose vertices were rounded to float32 in a space where the
-scene spans about -1 ... 1: 2^-22 of the scene's size, times the slope at which the ray meets the surface.
+Position and Depth are float32 of a hit in double on a triangle whose vertices were rounded to float32 in a space
+where the scene spans about -1 ... 1: 2^-22 of the scene's size, times the slope at which the ray meets the surface.
 """
 
 import numpy as np
@@ -27,7 +27,10 @@ def with_floor(kind, window, clip=(0.01, 100.0), matrix=VIEW):
 def expected_hits(kind, window):
     """Position and depth (along the view axis) of the floor z = 0 at each pixel's centre."""
     left, right, bottom, top = window
-    u, v = np.meshgrid(left + (np.arange(WIDTH) + 0.5) / WIDTH * (right - left), bottom + (np.arange(HEIGHT) + 0.5) / HEIGHT * (top - bottom))
+    u, v = np.meshgrid(
+        left + (np.arange(WIDTH) + 0.5) / WIDTH * (right - left),
+        bottom + (np.arange(HEIGHT) + 0.5) / HEIGHT * (top - bottom),
+    )
     zero, one = np.zeros_like(u), np.ones_like(u)
     perspective = kind == "PERSPECTIVE"
     origin = np.stack([zero, zero, zero] if perspective else [u, v, zero], axis=-1) @ VIEW[:3, :3].T + VIEW[:3, 3]
@@ -39,7 +42,8 @@ def expected_hits(kind, window):
 @pytest.mark.parametrize("window", WINDOWS)
 @pytest.mark.parametrize("kind", ["PERSPECTIVE", "ORTHOGRAPHIC"])
 def test_rays_go_through_pixel_centres(kind, window):
-    """The floor is 40 m wide, so that its rounding is 40 x 2^-23 = 5e-6 m; the rays meet it at 30 degrees or more: 1e-5."""
+    """The floor is 40 m wide, so that its rounding is 40 x 2^-23 = 5e-6 m; the rays meet it at 30 degrees or more:
+    1e-5."""
     picture = render(with_floor(kind, WINDOWS[window]), WIDTH, HEIGHT, stop_rule="FIXED", light_samples=1)
     position, depth = expected_hits(kind, WINDOWS[window])
     np.testing.assert_allclose(picture.position, position, atol=1e-5)
@@ -58,7 +62,9 @@ def test_row_zero_is_the_bottom_row():
 
 @pytest.mark.parametrize("kind", ["PERSPECTIVE", "ORTHOGRAPHIC"])
 def test_clip_range_is_along_the_view_axis(kind):
-    """Plates at depths 1, 2 and 3: the clip start takes the first away, the clip end the last, at every pixel alike."""
+    """Plates at depths 1, 2 and 3: the clip start takes the first away, the clip end the last, at every pixel
+    alike."""
+
     def depths(start, end):
         scene = pn.Scene()
         for z in (4, 3, 2):
@@ -75,11 +81,15 @@ def test_clip_range_is_along_the_view_axis(kind):
 @pytest.mark.parametrize("distance", [1e3, 1e6, 1e8])
 def test_a_camera_far_away_still_hits_the_right_place(distance):
     """Rays start in single precision only where the scene begins. Double leaves 1e8 x 2^-52 = 2e-8 m of the origin."""
-    scene = with_floor("ORTHOGRAPHIC", (-1, 1, -1, 1), (0, 2 * distance), rotation([1, 0, 0], 30) @ translation(0, 0, distance))
+    scene = with_floor(
+        "ORTHOGRAPHIC", (-1, 1, -1, 1), (0, 2 * distance), rotation([1, 0, 0], 30) @ translation(0, 0, distance)
+    )
     picture = render(scene, 8, stop_rule="FIXED", light_samples=1)
     u = -1 + (np.arange(8) + 0.5) / 4
     np.testing.assert_allclose(picture.position[..., 0], np.broadcast_to(u, (8, 8)), atol=1e-5)
-    np.testing.assert_allclose(picture.position[..., 1], np.broadcast_to(u[:, None] / np.cos(np.radians(30)), (8, 8)), atol=2e-5)
+    np.testing.assert_allclose(
+        picture.position[..., 1], np.broadcast_to(u[:, None] / np.cos(np.radians(30)), (8, 8)), atol=2e-5
+    )
 
 
 def test_background():
@@ -106,13 +116,16 @@ def test_empty_scene_is_background_only():
 
 
 def test_box_filter_gives_coverage():
-    """A plate's edge 30 % into a pixel, tilted by nothing: alpha is the covered share, 256 Owen-Sobol' places: 1/256."""
+    """A plate's edge 30 % into a pixel, tilted by nothing: alpha is the covered share, 256 Owen-Sobol' places:
+    1/256."""
     scene = pn.Scene()
     add(scene, "plate", parallelogram([-10, -10, 0], [10.3, 0, 0], [0, 20, 0]))
     look_down(scene, 2.0)
     scene.set_background((0, 0, 0), transparent=True)
     picture = render(scene, 4, pixel_samples=256, filter_type="BOX", filter_width=1.0)
-    np.testing.assert_allclose(picture.passes["Combined"][..., 3], np.broadcast_to([1, 1, 0.3, 0], (4, 4)), atol=1 / 256)
+    np.testing.assert_allclose(
+        picture.passes["Combined"][..., 3], np.broadcast_to([1, 1, 0.3, 0], (4, 4)), atol=1 / 256
+    )
     wide = render(scene, 4, pixel_samples=256, filter_type="BOX", filter_width=2.0)  # reaches half a pixel further
     np.testing.assert_allclose(wide.passes["Combined"][..., 3], np.broadcast_to([1, 0.9, 0.4, 0], (4, 4)), atol=1 / 256)
 
@@ -123,7 +136,9 @@ def test_blackman_harris_filter_gives_its_share():
     add(scene, "plate", parallelogram([-10, -10, 0], [10.5, 0, 0], [0, 20, 0]))
     look_down(scene, 2.0)
     scene.set_background((0, 0, 0), transparent=True)
-    alpha = render(scene, 4, pixel_samples=1024, filter_type="BLACKMAN_HARRIS", filter_width=4.0).passes["Combined"][..., 3]
+    alpha = render(scene, 4, pixel_samples=1024, filter_type="BLACKMAN_HARRIS", filter_width=4.0).passes["Combined"][
+        ..., 3
+    ]
     x = (np.arange(20000) + 0.5) / 20000
     w = 0.35875 - 0.48829 * np.cos(2 * np.pi * x) + 0.14128 * np.cos(4 * np.pi * x) - 0.01168 * np.cos(6 * np.pi * x)
     left_of = np.cumsum(w) / w.sum()

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Starting, stopping and dropping renders. None of these tests measures time: a cancel that did not work would show as a
-finished picture, or as a suite that takes minutes."""
+"""Starting, stopping and dropping renders. None of these tests measures time: a cancel that did not work would show
+as a finished picture, or as a suite that takes minutes."""
 
 import gc
 import threading
@@ -107,6 +107,7 @@ def test_renders_at_the_same_time():
 
 def test_memory_does_not_grow_with_renders():
     """Fifty renders of a scene and fifty scenes: the process keeps less than 20 MB more than after the first ones."""
+
     def resident():
         with open("/proc/self/statm") as statm:
             return int(statm.read().split()[1]) * 4096

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Every sampler with every sample_reuse and every stop rule: those that mean something keep their expected error, the others
-are refused with both settings' names.
+"""Every sampler with every sample_reuse and every stop rule: those that mean something keep their expected error,
+the others are refused with both settings' names.
 
-Oracle: the square luminaire's closed form; the standard deviation s of one uniform point's contribution by dense midpoints.
+Oracle: the square luminaire's closed form; the standard deviation s of one uniform point's contribution by dense
+midpoints.
 """
 
 import itertools
@@ -39,9 +40,9 @@ def rms(picture, exact):
 
 @pytest.mark.parametrize("sampler, reuse", itertools.product(SAMPLERS, REUSES))
 def test_fixed(sampler, reuse, floor):
-    """PRS: s / sqrt(N), within four standard errors of an RMS over 576 independent pixels, 12 %. The others must be better
-    by the factors of the paper's Fig. 7 and of evidence.md, with room for one seed: SPRS 4, any low-discrepancy sequence 2,
-    Owen-scrambled (0,2) points 20 (but for ROTATED, which breaks the net)."""
+    """PRS: s / sqrt(N), within four standard errors of an RMS over 576 independent pixels, 12 %. The others must be
+    better by the factors of the paper's Fig. 7 and of evidence.md, with room for one seed: SPRS 4, any
+    low-discrepancy sequence 2, Owen-scrambled (0,2) points 20 (but for ROTATED, which breaks the net)."""
     exact, deviation = floor
     picture = render(lit_floor(), WIDTH, stop_rule="FIXED", sampler=sampler, sample_reuse=reuse, light_samples=N)
     independent = np.sqrt(np.mean(deviation**2) / N)
@@ -55,8 +56,9 @@ def test_fixed(sampler, reuse, floor):
 
 @pytest.mark.parametrize("sampler, reuse", itertools.product(["PRS", "SOBOL", "HALTON", "OWEN_SOBOL"], REUSES))
 def test_variance(sampler, reuse, floor):
-    """Stops where the estimated standard error of independent points falls below eps: the RMS error is at most a quarter
-    above eps for PRS (estimates from ten points stop early now and then), and below eps for everything more even."""
+    """Stops where the estimated standard error of independent points falls below eps: the RMS error is at most a
+    quarter above eps for PRS (estimates from ten points stop early now and then), and below eps for everything more
+    even."""
     exact, _ = floor
     eps = 0.002
     picture = render(lit_floor(), WIDTH, stop_rule="VARIANCE", sampler=sampler, sample_reuse=reuse, error_tolerance=eps)
@@ -66,8 +68,8 @@ def test_variance(sampler, reuse, floor):
 
 @pytest.mark.parametrize("sampler, reuse", itertools.product(["PRS", "SOBOL", "HALTON", "OWEN_SOBOL"], REUSES))
 def test_paper(sampler, reuse, floor):
-    """The running mean moved by less than eps over the last 5 of n points, n >= 10: of a random walk of means that is an
-    error of about eps sqrt(n / 5); the rule promises nothing. Without shadows: RMS below 3 eps, PRS included."""
+    """The running mean moved by less than eps over the last 5 of n points, n >= 10: of a random walk of means that
+    is an error of about eps sqrt(n / 5); the rule promises nothing. Without shadows: RMS below 3 eps, PRS included."""
     exact, _ = floor
     eps = 0.002
     picture = render(lit_floor(), WIDTH, stop_rule="PAPER", sampler=sampler, sample_reuse=reuse, error_tolerance=eps)
@@ -84,7 +86,9 @@ def test_prs_and_sprs_ignore_sample_reuse(sampler, reuse):
 
 @pytest.mark.parametrize("sampler, reuse", itertools.product(["SOBOL", "HALTON", "OWEN_SOBOL"], REUSES))
 def test_sample_reuse_does_what_it_says(sampler, reuse):
-    """Points below the middle of the luminaire at two pixels: equal with SAME, different otherwise; seeds change all."""
+    """Points below the middle of the luminaire at two pixels: equal with SAME, different otherwise; seeds change
+    all."""
+
     def points(pixel, seed):
         return pn.sample_points(sampler, 16, reuse, seed, pixel)
 
@@ -98,7 +102,9 @@ def test_a_grid_cannot_grow(rule):
         render(lit_floor(), 4, sampler="SPRS", stop_rule=rule)
 
 
-@pytest.mark.parametrize("sampler, reuse", [c for c in itertools.product(SAMPLERS, REUSES) if c != ("OWEN_SOBOL", "SCRAMBLED")])
+@pytest.mark.parametrize(
+    "sampler, reuse", [c for c in itertools.product(SAMPLERS, REUSES) if c != ("OWEN_SOBOL", "SCRAMBLED")]
+)
 def test_bounded_needs_its_sampler(sampler, reuse):
     """SPRS is refused for its grid, by its own message; all others for the error estimate."""
     with pytest.raises(ValueError, match=r"(?s)(BOUNDED.*sampler.*sample_reuse|SPRS.*stop_rule)"):
@@ -114,4 +120,6 @@ def test_a_grid_needs_a_square_number(count):
 def test_the_first_comparison_must_be_within_reach():
     with pytest.raises(ValueError, match=r"(?s)check_interval.*max_light_samples"):
         render(lit_floor(), 4, stop_rule="PAPER", check_interval=50, max_light_samples=99)
-    assert render(lit_floor(), 4, stop_rule="PAPER", check_interval=50, max_light_samples=100).light_samples.max() == 100
+    assert (
+        render(lit_floor(), 4, stop_rule="PAPER", check_interval=50, max_light_samples=100).light_samples.max() == 100
+    )

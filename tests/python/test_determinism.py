@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The same picture bit for bit with any number of threads and however borders cut it: pairs of renders must be equal.
+"""The same picture bit for bit with any number of threads and however borders cut it: pairs of renders must be
+equal.
 
-The scene has shared and single meshes, a mirror, two luminaires, smooth normals and a background; the frame is 61 x 43,
-which no tile or bucket divides.
+The scene has shared and single meshes, a mirror, two luminaires, smooth normals and a background; the frame is 61 x
+43, which no tile or bucket divides.
 """
 
 import itertools
@@ -14,7 +15,9 @@ from scenes import ALL_PASSES, add, box, floor, light_above, render, rotation, s
 
 WIDTH, HEIGHT = 61, 43
 COMBINATIONS = [
-    *itertools.product(["FIXED"], ["PRS", "SPRS", "SOBOL", "HALTON", "OWEN_SOBOL"], ["SAME", "CONTINUED", "ROTATED", "SCRAMBLED"]),
+    *itertools.product(
+        ["FIXED"], ["PRS", "SPRS", "SOBOL", "HALTON", "OWEN_SOBOL"], ["SAME", "CONTINUED", "ROTATED", "SCRAMBLED"]
+    ),
     *itertools.product(["PAPER", "VARIANCE"], ["PRS", "SOBOL", "HALTON", "OWEN_SOBOL"], ["CONTINUED", "SCRAMBLED"]),
     ("BOUNDED", "OWEN_SOBOL", "SCRAMBLED"),
 ]
@@ -35,10 +38,14 @@ def build():
     crate = scene.add_mesh("crate", *box([-0.2, -0.2, -0.2], [0.2, 0.2, 0.2]))
     for i, material in enumerate((grey, shiny, mirror)):
         scene.add_instance(f"ball {i}", ball, translation(i - 1, 0.2, 0.4) @ scaling(1, 1, 1 - 0.2 * i), [material])
-        scene.add_instance(f"crate {i}", crate, translation(i - 0.6, -0.7, 0.3) @ rotation([1, 2, 3], 50 * i), [material])
+        scene.add_instance(
+            f"crate {i}", crate, translation(i - 0.6, -0.7, 0.3) @ rotation([1, 2, 3], 50 * i), [material]
+        )
     scene.add_area_light("key", "RECTANGLE", light_above(), (1, 1), (3, 3, 3))
     scene.add_area_light("rim", "ELLIPSE", translation(-2, 0, 1) @ rotation([0, 1, 0], -70), (0.5, 1), (2, 1, 0.5))
-    scene.set_camera("PERSPECTIVE", translation(0, -4, 2) @ rotation([1, 0, 0], 65), (-0.45, 0.45, -0.3, 0.35), (0.1, 30))
+    scene.set_camera(
+        "PERSPECTIVE", translation(0, -4, 2) @ rotation([1, 0, 0], 65), (-0.45, 0.45, -0.3, 0.35), (0.1, 30)
+    )
     scene.set_background((0.1, 0.2, 0.3))
     return scene
 
@@ -48,14 +55,29 @@ def bits(picture):
 
 
 def counts(statistics):
-    names = ("primary_rays", "mirror_rays", "shadow_rays", "shadow_rays_beyond_stop", "light_points", "points_without_ray",
-             "pixels_at_sample_limit", "scene_hash")
+    names = (
+        "primary_rays",
+        "mirror_rays",
+        "shadow_rays",
+        "shadow_rays_beyond_stop",
+        "light_points",
+        "points_without_ray",
+        "pixels_at_sample_limit",
+        "scene_hash",
+    )
     return [statistics[name] for name in names] + [statistics["error_estimate"][k] for k in ("mean", "p99", "max")]
 
 
 def settings(rule, sampler, reuse):
-    return {"stop_rule": rule, "sampler": sampler, "sample_reuse": reuse, "light_samples": 16, "max_light_samples": 64,
-            "seed": 5, "error_tolerance": 0.02}
+    return {
+        "stop_rule": rule,
+        "sampler": sampler,
+        "sample_reuse": reuse,
+        "light_samples": 16,
+        "max_light_samples": 64,
+        "seed": 5,
+        "error_tolerance": 0.02,
+    }
 
 
 @pytest.mark.parametrize("rule, sampler, reuse", COMBINATIONS)
@@ -106,7 +128,10 @@ def test_single_pixels():
 
 def test_seeds_change_the_noise_only():
     """Another seed: other bits, the same geometry, nearly the same mean."""
-    pictures = [render(build(), WIDTH, HEIGHT, **{**settings("FIXED", "OWEN_SOBOL", "SCRAMBLED"), "seed": s}) for s in (0, -1, 2**31 - 1)]
+    pictures = [
+        render(build(), WIDTH, HEIGHT, **{**settings("FIXED", "OWEN_SOBOL", "SCRAMBLED"), "seed": s})
+        for s in (0, -1, 2**31 - 1)
+    ]
     for other in pictures[1:]:
         assert (other.red != pictures[0].red).any()
         assert (other.passes["Depth"] == pictures[0].passes["Depth"]).all()

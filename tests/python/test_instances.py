@@ -1,11 +1,25 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Instances: uneven, mirrored and shared placements give what their triangles in world space give, and mirrors reflect."""
+"""Instances: uneven, mirrored and shared placements give what their triangles in world space give, and mirrors
+reflect."""
 
 import numpy as np
 import oracles
 import penumbra_native as pn
 import pytest
-from scenes import add, apply, box, floor, light_above, look_down, parallelogram, render, rotation, scaling, sphere, translation
+from scenes import (
+    add,
+    apply,
+    box,
+    floor,
+    light_above,
+    look_down,
+    parallelogram,
+    render,
+    rotation,
+    scaling,
+    sphere,
+    translation,
+)
 
 MATRICES = {
     "uneven": translation(0.2, 0.1, 0.7) @ rotation([1, 2, 0], 35) @ scaling(1.5, 0.3, 0.8),
@@ -53,9 +67,10 @@ def differing(a, b, tolerance=1e-5):
 @pytest.mark.parametrize("shared", [False, True], ids=["single", "shared"])
 @pytest.mark.parametrize("name", MATRICES)
 def test_instance_equals_its_triangles_in_world_space(name, shared):
-    """Instance transforms against positions and normals transformed here (shared meshes flat: their normals are interpolated
-    in object space, as in Cycles, which the core's own tests look at). One shadow ray of 64 falling otherwise would show:
-    allowed in 1 % of the pixels, where a silhouette or a shadow's edge is met within rounding."""
+    """Instance transforms against positions and normals transformed here (shared meshes flat: their normals are
+    interpolated in object space, as in Cycles, which the core's own tests look at). One shadow ray of 64 falling
+    otherwise would show: allowed in 1 % of the pixels, where a silhouette or a shadow's edge is met within
+    rounding."""
     matrix = MATRICES[name]
     other = translation(-0.9, -0.8, 0.5) @ scaling(0.5, 0.5, 0.5)
     by_instance, by_triangles = empty_floor(), empty_floor()
@@ -73,8 +88,8 @@ def test_instance_equals_its_triangles_in_world_space(name, shared):
 
 
 def test_shared_meshes_far_from_their_own_origin():
-    """A mesh modelled 1e6 m from its origin and brought back by its instances: single precision has steps of 6 cm there,
-    so meshes must be recentred before they are rounded."""
+    """A mesh modelled 1e6 m from its origin and brought back by its instances: single precision has steps of 6 cm
+    there, so meshes must be recentred before they are rounded."""
     away = np.array([1e6, -2e6, 5e5])
     positions, triangles = box([-0.3, -0.3, -0.3], [0.3, 0.3, 0.3])
     a, b = empty_floor(), empty_floor()
@@ -113,8 +128,8 @@ def test_material_slots_and_instances_with_other_materials():
 
 
 def test_a_mirror_shows_what_is_in_it():
-    """A mirror at 45 degrees over the floor, looked at from the side: the floor's radiance by Lambert's formula, times the
-    mirror's albedo. 4096 points: 1e-4."""
+    """A mirror at 45 degrees over the floor, looked at from the side: the floor's radiance by Lambert's formula,
+    times the mirror's albedo. 4096 points: 1e-4."""
     scene = pn.Scene()
     add(scene, "floor", floor())
     silver = scene.add_material("silver", (0, 0, 0), mirror=(0.9, 0.9, 0.9))
@@ -123,12 +138,16 @@ def test_a_mirror_shows_what_is_in_it():
     light = translation(0, -2.0, 2.0) @ rotation([1, 0, 0], 10)
     scene.add_area_light("key", "RECTANGLE", light, (1, 1), (3, 3, 3))
     # Looks along +y from y = -3 at the mirror; at height z the ray meets it at y = 0.7 - z and goes straight down.
-    scene.set_camera("ORTHOGRAPHIC", translation(0, -3, 0.7) @ rotation([1, 0, 0], 90), (-0.2, 0.2, -0.2, 0.2), (0.01, 20))
+    scene.set_camera(
+        "ORTHOGRAPHIC", translation(0, -3, 0.7) @ rotation([1, 0, 0], 90), (-0.2, 0.2, -0.2, 0.2), (0.01, 20)
+    )
     picture = render(scene, 6, stop_rule="FIXED", light_samples=4096)
     place = -0.2 + (np.arange(6) + 0.5) * 0.4 / 6
     x, y = np.meshgrid(place, place)
     points = np.stack([x, -y, 0 * x], axis=-1)
-    exact = 0.9 * 0.5 * 3 * oracles.lambert_on(oracles.rectangle_corners(light, (1, 1)), points, (0, 0, 1), -light[:3, 2])
+    exact = (
+        0.9 * 0.5 * 3 * oracles.lambert_on(oracles.rectangle_corners(light, (1, 1)), points, (0, 0, 1), -light[:3, 2])
+    )
     mirror = oracles.triangles_of(*parallelogram([-0.3, 0.3, 0.4], [0.6, 0, 0], [0, -0.6, 0.6]))
     corners = oracles.rectangle_corners(light, (1.02, 1.02))
     assert not any(oracles.occluded(np.repeat(p[None], 4, 0), corners, mirror).any() for p in points.reshape(-1, 3))
@@ -139,10 +158,17 @@ def test_a_mirror_shows_what_is_in_it():
 
 
 def test_mirror_depth():
-    """Two parallel mirrors of albedo 0.5: each bounce halves what the background sends; bounces beyond the limit are black."""
+    """Two parallel mirrors of albedo 0.5: each bounce halves what the background sends; bounces beyond the limit
+    are black."""
     scene = pn.Scene()
     for x, s in ((-0.5, 1), (0.5, -1)):
-        add(scene, f"mirror {x}", parallelogram([x, -s, -5], [0, 2 * s, 0], [0, 0, 10]), albedo=0.0, mirror=(0.5, 0.5, 0.5))
+        add(
+            scene,
+            f"mirror {x}",
+            parallelogram([x, -s, -5], [0, 2 * s, 0], [0, 0, 10]),
+            albedo=0.0,
+            mirror=(0.5, 0.5, 0.5),
+        )
     scene.set_background((1, 1, 1))
     # From the middle at 45 degrees: meets mirrors at heights 0.5, 1.5, 2.5, 3.5, 4.5 and leaves.
     scene.set_camera("PERSPECTIVE", rotation([0, 1, 0], 135), (-1e-3, 1e-3, -1e-3, 1e-3), (0.01, 100))

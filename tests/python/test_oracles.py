@@ -20,8 +20,11 @@ def mean_over_cube_floor(polygon, n=48):
     """Gauss-Legendre in both directions; y = s^2 smooths the kink along the edge that touches the south face."""
     x, w = np.polynomial.legendre.leggauss(n)
     x, w = (x + 1) / 2, w / 2
-    return sum(wi * wj * 2 * t * oracles.lambert(polygon, np.array([s, t * t, 0.0]), UP)
-               for s, wi in zip(x, w, strict=True) for t, wj in zip(x, w, strict=True))
+    return sum(
+        wi * wj * 2 * t * oracles.lambert(polygon, np.array([s, t * t, 0.0]), UP)
+        for s, wi in zip(x, w, strict=True)
+        for t, wj in zip(x, w, strict=True)
+    )
 
 
 @pytest.mark.parametrize("face, exact", [("top", 0.19982489569838724), ("south", 0.20004377607540313)])
@@ -48,18 +51,20 @@ def test_constants_of_closed_forms():
 
 
 def test_lambert_equals_the_special_forms():
-    """Same quantity by other formulas, in double: 1e-11. The ellipse's polygon falls short by 1e-7 of its area, which counts
-    more for points that see its edge from near: 2e-6."""
+    """Same quantity by other formulas, in double: 1e-11. The ellipse's polygon falls short by 1e-7 of its area,
+    which counts more for points that see its edge from near: 2e-6."""
     random = np.random.default_rng(2)
     for _ in range(100):
         half, h = random.uniform(0.1, 2, 2)
         x, y = random.uniform(-3, 3, 2)
         square = oracles.rectangle_corners(translation(0, 0, h), (2 * half, 2 * half))
         assert oracles.lambert(square, np.array([x, y, 0]), UP) == pytest.approx(
-            oracles.parallel_rectangle(x, y, half, h), rel=1e-11)
+            oracles.parallel_rectangle(x, y, half, h), rel=1e-11
+        )
         round_light = oracles.ellipse_corners(translation(0, 0, h), (2 * half, 2 * half))
         assert oracles.lambert(round_light, np.array([x, y, 0]), UP) == pytest.approx(
-            oracles.disk(half, h, np.hypot(x, y)), rel=2e-6)
+            oracles.disk(half, h, np.hypot(x, y)), rel=2e-6
+        )
 
 
 def test_lambert_does_not_mind_rotation_or_size():
@@ -99,4 +104,6 @@ def test_summands_average_to_the_form_factor():
     points = np.stack(np.meshgrid(g, g), axis=-1).reshape(-1, 2)
     matrix = translation(0.2, 0.1, 1.5) @ rotation([1, 1, 0], 20) @ scaling(1, -2, 1)
     f, _ = oracles.summands(np.zeros(3), UP, matrix, (1, 0.5), points)
-    assert f.mean() == pytest.approx(oracles.lambert(oracles.rectangle_corners(matrix, (1, 0.5)), np.zeros(3), UP), rel=1e-4)
+    assert f.mean() == pytest.approx(
+        oracles.lambert(oracles.rectangle_corners(matrix, (1, 0.5)), np.zeros(3), UP), rel=1e-4
+    )

@@ -11,8 +11,18 @@ from scenes import lit_floor, render
 INVALID = {
     "width": [0, -1, 2**31, 1.5, "wide", None],
     "height": [0, -4, 2**40, float("nan")],
-    "region": [(0, 0, 9, 8), (0, 0, 8, 9), (7, 0, 2, 1), (0, 0, 0, 0), (0, 0, 0, 4), (4, 4, 4, 0), (-1, 0, 4, 4), (0, 0, 4),
-               (2**32 - 1, 0, 2, 2), "all"],
+    "region": [
+        (0, 0, 9, 8),
+        (0, 0, 8, 9),
+        (7, 0, 2, 1),
+        (0, 0, 0, 0),
+        (0, 0, 0, 4),
+        (4, 4, 4, 0),
+        (-1, 0, 4, 4),
+        (0, 0, 4),
+        (2**32 - 1, 0, 2, 2),
+        "all",
+    ],
     "stop_rule": ["", "fixed", "NEVER", 3, None],
     "sampler": ["", "FAURE", "sobol"],
     "sample_reuse": ["", "OFTEN", "same"],
@@ -63,7 +73,9 @@ def test_odd_shapes_of_frames():
 @pytest.mark.parametrize("seed", [0, -1, 2**31 - 1, -(2**31), 2**32 - 1, 2**63 - 1])
 @pytest.mark.parametrize("sampler", ["PRS", "SOBOL", "HALTON", "OWEN_SOBOL"])
 def test_extreme_seeds(sampler, seed):
-    picture = render(lit_floor(), 4, stop_rule="FIXED", light_samples=16, sampler=sampler, sample_reuse="CONTINUED", seed=seed)
+    picture = render(
+        lit_floor(), 4, stop_rule="FIXED", light_samples=16, sampler=sampler, sample_reuse="CONTINUED", seed=seed
+    )
     assert (picture.red > 0).all()
 
 
@@ -92,7 +104,9 @@ def test_read_blocks_equal_the_whole():
     for x, y, w, h in tiles:
         seen[y : y + h, x : x + w] += 1
         for name, channels in (("Combined", 4), ("Position", 3)):
-            np.testing.assert_array_equal(job.read(name, x, y, w, h).reshape(h, w, channels), whole[name][y : y + h, x : x + w])
+            np.testing.assert_array_equal(
+                job.read(name, x, y, w, h).reshape(h, w, channels), whole[name][y : y + h, x : x + w]
+            )
     assert (seen == 1).all(), "every pixel is reported once"
     assert job.progress == 1.0
 

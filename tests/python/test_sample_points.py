@@ -26,7 +26,9 @@ def drand48_pairs(seed, count):
 def test_prs_is_the_c_librarys_drand48(seed):
     exact = np.floor(drand48_pairs(seed, 500) * 2**24) / 2**24
     np.testing.assert_array_equal(pn.sample_points("PRS", 500, seed=seed), exact)
-    np.testing.assert_array_equal(pn.sample_points("PRS", 100, seed=seed, pixel=3, samples_per_pixel=100), exact[300:400])
+    np.testing.assert_array_equal(
+        pn.sample_points("PRS", 100, seed=seed, pixel=3, samples_per_pixel=100), exact[300:400]
+    )
 
 
 def test_sprs_has_one_point_a_cell():
@@ -36,7 +38,8 @@ def test_sprs_has_one_point_a_cell():
 
 
 def test_sobol_and_halton_start_as_published():
-    """Sobol': what IDL's manual prints for its SOBOLSEQUENCE, which is Numerical Recipes' sobseq. Halton: mirrored digits."""
+    """Sobol': what IDL's manual prints for its SOBOLSEQUENCE, which is Numerical Recipes' sobseq. Halton: mirrored
+    digits."""
     sobol = [(1 / 2, 1 / 2), (1 / 4, 3 / 4), (3 / 4, 1 / 4), (3 / 8, 5 / 8)]
     np.testing.assert_array_equal(pn.sample_points("SOBOL", 4), sobol)
     halton = np.array([(1 / 2, 1 / 3), (1 / 4, 2 / 3), (3 / 4, 1 / 9), (1 / 8, 4 / 9), (5 / 8, 7 / 9), (3 / 8, 2 / 9)])
@@ -63,8 +66,12 @@ def test_points_lie_in_the_unit_square(sampler, reuse):
 
 
 def test_refusals_name_what_is_wrong():
-    for arguments, word in ((("FAURE", 4), "sampler"), (("SOBOL", 4, "NEVER"), "sample_reuse"), (("SPRS", 5), "SPRS"),
-                            (("SOBOL", 2**24 + 1), "count")):
+    for arguments, word in (
+        (("FAURE", 4), "sampler"),
+        (("SOBOL", 4, "NEVER"), "sample_reuse"),
+        (("SPRS", 5), "SPRS"),
+        (("SOBOL", 2**24 + 1), "count"),
+    ):
         with pytest.raises(ValueError, match=word):
             pn.sample_points(*arguments)
     assert pn.sample_points("SOBOL", 0).shape == (0, 2)

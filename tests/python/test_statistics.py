@@ -11,9 +11,23 @@ WIDTH, HEIGHT = 20, 12
 
 def scene(**changes):
     """A floor, two boxes of one mesh and a luminaire; `changes` replaces one thing at a time."""
-    given = {"vertex": 0.0, "triangle": 0, "normals": None, "slots": None, "matrix": translation(1, 0, 0.2), "albedo": 0.5,
-             "light": light_above(), "size": (1, 1), "radiance": (3, 3, 3), "shape": "RECTANGLE", "shadow": True,
-             "half": 2.0, "background": (0, 0, 0), "transparent": False, "name": "box"}
+    given = {
+        "vertex": 0.0,
+        "triangle": 0,
+        "normals": None,
+        "slots": None,
+        "matrix": translation(1, 0, 0.2),
+        "albedo": 0.5,
+        "light": light_above(),
+        "size": (1, 1),
+        "radiance": (3, 3, 3),
+        "shape": "RECTANGLE",
+        "shadow": True,
+        "half": 2.0,
+        "background": (0, 0, 0),
+        "transparent": False,
+        "name": "box",
+    }
     assert not set(changes) - set(given)
     given.update(changes)
     s = pn.Scene()
@@ -71,6 +85,17 @@ def test_points_decided_without_a_ray(rule):
     assert s["shadow_rays"] == s["light_points"] == 0
 
 
+@pytest.mark.parametrize("rule", ["FIXED", "BOUNDED"])
+def test_pixels_that_are_not_finite_are_counted_named_and_black(rule):
+    """Radiance 1e300 is none that float32 can hold; 1e30 is."""
+    fine = render(lit_floor((1e30,) * 3), 4, stop_rule=rule)
+    assert (fine.red > 1e27).all() and fine.statistics["non_finite_pixels"] == 0
+    picture = render(lit_floor((1e300, 1, 1)), 4, stop_rule=rule)
+    assert picture.statistics["non_finite_pixels"] == 16
+    assert "pixel 0,0 (floor)" in picture.statistics["warnings"][0]
+    assert all(np.isfinite(values).all() for values in picture.passes.values())
+
+
 def test_error_estimate_follows_the_pass():
     """Mean, 99th percentile (order statistic) and maximum of the Error Estimate pass."""
     picture = render(scene(), WIDTH, HEIGHT, stop_rule="FIXED", sampler="PRS", light_samples=16)
@@ -83,8 +108,9 @@ def test_error_estimate_follows_the_pass():
 
 
 def test_error_estimate_is_twice_the_standard_error_of_random_points():
-    """PRS, 64 points: nearly normal errors, so about 4.6 % of them exceed twice their standard error; the estimate from 64
-    points adds half a percent. 3600 pixels: a binomial standard deviation of 0.36 %, four of them to each side."""
+    """PRS, 64 points: nearly normal errors, so about 4.6 % of them exceed twice their standard error; the estimate
+    from 64 points adds half a percent. 3600 pixels: a binomial standard deviation of 0.36 %, four of them to each
+    side."""
     picture = render(lit_floor(), 60, stop_rule="FIXED", sampler="PRS", light_samples=64)
     exact = render(lit_floor(), 60, stop_rule="FIXED", light_samples=4096).red
     exceeded = np.abs(picture.red - exact) > picture.passes["Error Estimate"][..., 0]
@@ -92,10 +118,20 @@ def test_error_estimate_is_twice_the_standard_error_of_random_points():
 
 
 CHANGES = {
-    "vertex": 1e-6, "triangle": 1, "normals": np.ones((12, 3, 3), np.float32), "slots": np.ones(12, np.int32),
-    "matrix": translation(1, 0, 0.2 + 1e-9), "albedo": 0.5 + 1e-9, "light": light_above() @ rotation([0, 0, 1], 1),
-    "size": (1, 1 + 1e-9), "radiance": (3, 3, 3 + 1e-9), "shape": "ELLIPSE", "shadow": False, "half": 2 + 1e-9,
-    "background": (0, 0, 1e-9), "transparent": True,
+    "vertex": 1e-6,
+    "triangle": 1,
+    "normals": np.ones((12, 3, 3), np.float32),
+    "slots": np.ones(12, np.int32),
+    "matrix": translation(1, 0, 0.2 + 1e-9),
+    "albedo": 0.5 + 1e-9,
+    "light": light_above() @ rotation([0, 0, 1], 1),
+    "size": (1, 1 + 1e-9),
+    "radiance": (3, 3, 3 + 1e-9),
+    "shape": "ELLIPSE",
+    "shadow": False,
+    "half": 2 + 1e-9,
+    "background": (0, 0, 1e-9),
+    "transparent": True,
 }
 
 
@@ -107,8 +143,12 @@ def test_hash_changes_with_the_scene(what):
 def test_hash_does_not_change_otherwise():
     """Built again, rendered again, with other settings, other names: the same."""
     once = scene()
-    hashes = {render(once, 1).statistics["scene_hash"], render(once, 3, seed=9, stop_rule="FIXED").statistics["scene_hash"],
-              hash_of(), hash_of(name="another name")}
+    hashes = {
+        render(once, 1).statistics["scene_hash"],
+        render(once, 3, seed=9, stop_rule="FIXED").statistics["scene_hash"],
+        hash_of(),
+        hash_of(name="another name"),
+    }
     assert len(hashes) == 1 and len(hashes.pop()) == 16
 
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """PAPER and VARIANCE against literal one-by-one simulations in float64, with the pixels' own points.
 
-Contributions differ from the engine's by float rounding of the summands, 3e-7 relative; counts must be equal, which fails
-only where a comparison is that close to the tolerance, and values agree to 1e-6.
+Contributions differ from the engine's by float rounding of the summands, 3e-7 relative; counts must be equal, which
+fails only where a comparison is that close to the tolerance, and values agree to 1e-6.
 """
 
 import numpy as np
@@ -77,11 +77,26 @@ def expect_literal(settings, rule, blocked):
 
 
 @pytest.mark.parametrize("blocked", [False, True], ids=["open", "blocked"])
-@pytest.mark.parametrize("sampler, reuse, t", [("PRS", "SAME", 5), ("SOBOL", "SAME", 5), ("HALTON", "CONTINUED", 7),
-                                               ("OWEN_SOBOL", "SCRAMBLED", 5), ("OWEN_SOBOL", "ROTATED", 16)])
+@pytest.mark.parametrize(
+    "sampler, reuse, t",
+    [
+        ("PRS", "SAME", 5),
+        ("SOBOL", "SAME", 5),
+        ("HALTON", "CONTINUED", 7),
+        ("OWEN_SOBOL", "SCRAMBLED", 5),
+        ("OWEN_SOBOL", "ROTATED", 16),
+    ],
+)
 def test_paper_is_the_literal_rule(sampler, reuse, t, blocked):
-    settings = {"stop_rule": "PAPER", "sampler": sampler, "sample_reuse": reuse, "check_interval": t, "seed": 7,
-                "error_tolerance": 0.004, "max_light_samples": 512}
+    settings = {
+        "stop_rule": "PAPER",
+        "sampler": sampler,
+        "sample_reuse": reuse,
+        "check_interval": t,
+        "seed": 7,
+        "error_tolerance": 0.004,
+        "max_light_samples": 512,
+    }
     picture = expect_literal(settings, lambda values: paper(values, t, 0.004), blocked)
     assert picture.light_samples.min() >= 2 * t
     assert np.ptp(picture.light_samples) > 0 or not blocked  # the open floor may stop at 2 t everywhere
@@ -90,8 +105,14 @@ def test_paper_is_the_literal_rule(sampler, reuse, t, blocked):
 @pytest.mark.parametrize("blocked", [False, True], ids=["open", "blocked"])
 @pytest.mark.parametrize("sampler, reuse", [("PRS", "SAME"), ("HALTON", "SCRAMBLED"), ("OWEN_SOBOL", "SCRAMBLED")])
 def test_variance_is_the_literal_rule(sampler, reuse, blocked):
-    settings = {"stop_rule": "VARIANCE", "sampler": sampler, "sample_reuse": reuse, "seed": 7,
-                "error_tolerance": 0.01, "max_light_samples": 200}
+    settings = {
+        "stop_rule": "VARIANCE",
+        "sampler": sampler,
+        "sample_reuse": reuse,
+        "seed": 7,
+        "error_tolerance": 0.01,
+        "max_light_samples": 200,
+    }
     picture = expect_literal(settings, lambda values: variance(values, 0.01), blocked)
     assert picture.light_samples.min() >= 10
 
@@ -119,7 +140,8 @@ def test_pixels_at_the_limit_are_counted():
 
 
 def test_rays_beyond_the_stop_are_counted_apart():
-    """Packets of 16: every pixel here faces the luminaire with all points, so rays = points + those beyond the stop."""
+    """Packets of 16: every pixel here faces the luminaire with all points, so rays = points + those beyond the
+    stop."""
     s = render(scene(False), WIDTH, stop_rule="PAPER", max_light_samples=512).statistics
     assert s["shadow_rays"] == s["light_points"] + s["shadow_rays_beyond_stop"]
     assert 0 < s["shadow_rays_beyond_stop"] < 16 * WIDTH * WIDTH

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Light without shadows against closed forms: Lambert's polygon and the disk's form factor.
 
-Owen-Sobol' points converge as N^-1.5 on a smooth integrand: a relative standard error of 2e-6 at 4096 points and 64 times
-that at 256, for luminaires at a distance of about twice their size. Tolerances are five or more standard errors.
+Owen-Sobol' points converge as N^-1.5 on a smooth integrand: a relative standard error of 2e-6 at 4096 points and 64
+times that at 256, for luminaires at a distance of about twice their size. Tolerances are five or more standard
+errors.
 """
 
 import numpy as np
@@ -54,8 +55,9 @@ def test_rectangles(name):
     expect(picture, oracles.lambert_on(corners, picture.position, UP, -matrix[:3, 2]), 3e-4)
 
 
-@pytest.mark.parametrize("size, matrix", [((1, 1), light_above()), ((1.5, 0.5), LIGHTS["tilted"][0]),
-                                          ((1, 1), LIGHTS["sheared"][0])])
+@pytest.mark.parametrize(
+    "size, matrix", [((1, 1), light_above()), ((1.5, 0.5), LIGHTS["tilted"][0]), ((1, 1), LIGHTS["sheared"][0])]
+)
 def test_ellipses(size, matrix):
     """The square is folded onto the disk, which leaves kinks: N^-1.25 or so. 4096 points: 3e-4."""
     picture = render(lit_floor(RADIANCE, size, matrix, "ELLIPSE"), 8, stop_rule="FIXED", light_samples=4096)
@@ -74,13 +76,16 @@ def test_a_light_that_straddles_the_horizon():
     matrix = translation(1.5, 0, 0) @ rotation([0, 1, 0], 90)  # emits towards -x
     scene = lit_floor(RADIANCE, (1, 1), matrix, half=0.5)
     picture = render(scene, 8, stop_rule="FIXED", light_samples=4096)
-    expect(picture, oracles.lambert_on(oracles.rectangle_corners(matrix, (1, 1)), picture.position, UP, (-1, 0, 0)), 2e-3)
+    expect(
+        picture, oracles.lambert_on(oracles.rectangle_corners(matrix, (1, 1)), picture.position, UP, (-1, 0, 0)), 2e-3
+    )
     wrong_side = lit_floor(RADIANCE, (1, 1), matrix @ rotation([0, 1, 0], 180), half=0.5)
     assert (render(wrong_side, 8).red == 0).all()
 
 
 def test_lights_add():
-    """Two luminaires are the sum of each alone, per pixel and within both errors; two coincident ones are twice one."""
+    """Two luminaires are the sum of each alone, per pixel and within both errors; two coincident ones are twice
+    one."""
     other = translation(-1, 0.5, 1.5) @ rotation([0, 1, 0], 30)
     scene = lit_floor(RADIANCE)
     scene.add_area_light("fill", "RECTANGLE", other, (0.5, 0.8), tuple(RADIANCE))
@@ -104,21 +109,30 @@ def test_albedo_and_radiance_scale_exactly():
 @pytest.mark.parametrize("scale", [1e-6, 1e4])
 def test_size_of_the_world_does_not_matter(scale):
     """Everything scaled alike: the same picture to float rounding of the vertices, 1e-5."""
+
     def build(s):
         scene = pn.Scene()
         add(scene, "floor", floor(4 * s))
         scene.add_area_light("key", "RECTANGLE", light_above(2 * s), (s, s), (1, 1, 1))
         look_down(scene, 2 * s, 50 * s)
         return render(scene, 8, stop_rule="FIXED", light_samples=64).red
+
     np.testing.assert_allclose(build(scale), build(1.0), rtol=1e-5)
 
 
 def test_furnace():
-    """Inside a closed box of six luminaires every surface sends back albedo x radiance. 4096 points a luminaire; the walls
-    come as near as half a luminaire's size: 1e-3."""
+    """Inside a closed box of six luminaires every surface sends back albedo x radiance. 4096 points a luminaire;
+    the walls come as near as half a luminaire's size: 1e-3."""
     scene = pn.Scene()
     add(scene, "patch", parallelogram([-0.2, -0.2, 0], [0.4, 0, 0], [0, 0.4, 0]), rotation([1, 2, 3], 40))
-    for axis, angle in (((1, 0, 0), 0), ((1, 0, 0), 90), ((1, 0, 0), 180), ((1, 0, 0), 270), ((0, 1, 0), 90), ((0, 1, 0), 270)):
+    for axis, angle in (
+        ((1, 0, 0), 0),
+        ((1, 0, 0), 90),
+        ((1, 0, 0), 180),
+        ((1, 0, 0), 270),
+        ((0, 1, 0), 90),
+        ((0, 1, 0), 270),
+    ):
         scene.add_area_light("wall", "RECTANGLE", rotation(axis, angle) @ translation(0, 0, 1), (2, 2), tuple(RADIANCE))
     look_down(scene, 0.1)
     expect(render(scene, 8, stop_rule="FIXED", light_samples=4096), 1.0, 1e-3)

@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Acne and leaks: what single precision does to rays that start on a surface, at any size, place and tilt.
 
-Acne oracle: a surface that nothing can shadow must be the same bit for bit with and without shadow rays, so that one
-falsely hidden point of a pixel's 64 shows. Leak oracle: a point whose whole luminaire is covered must be exactly black.
-These tests guard native/visibility/geometry.cpp's kRelativeRounding = 2^-21. Measured over 2^-26 ... 2^-17: at 2^-24 rays
-lose 1e-4 ... 1e-3 of the light on every kind of floor, at 2^-23 1e-5 where large triangles meet small ones, from 2^-22 on
-nothing; contact gaps of 1e-6 of the scene's width leak from 2^-20 on, of 3e-6 from 2^-19 on, of 1e-5 from 2^-17 on.
+Acne oracle: a surface that nothing can shadow must be the same bit for bit with and without shadow rays, so that
+one falsely hidden point of a pixel's 64 shows. Leak oracle: a point whose whole luminaire is covered must be
+exactly black. These tests guard native/visibility/geometry.cpp's kRelativeRounding = 2^-21. Measured over 2^-26 ...
+2^-17: at 2^-24 rays lose 1e-4 ... 1e-3 of the light on every kind of floor, at 2^-23 1e-5 where large triangles
+meet small ones, from 2^-22 on nothing; contact gaps of 1e-6 of the scene's width leak from 2^-20 on, of 3e-6 from
+2^-19 on, of 1e-5 from 2^-17 on.
 """
 
 import numpy as np
@@ -55,8 +56,8 @@ def camera_above(scene, matrix, half, distance=5.0):
 
 
 def tilted(pieces, matrix, light, cast_shadow, half=0.98, baked=False, copies=()):
-    """Meshes of one material at matrix x piece, a luminaire, and a camera above. Baked: the matrix goes into the vertices,
-    in float64. Copies: further instances of each mesh, by matrices that come before the piece's own."""
+    """Meshes of one material at matrix x piece, a luminaire, and a camera above. Baked: the matrix goes into the
+    vertices, in float64. Copies: further instances of each mesh, by matrices that come before the piece's own."""
     scene = pn.Scene()
     grey = scene.add_material("grey", (0.5,) * 3)
     for i, (shape, piece) in enumerate(pieces):
@@ -73,14 +74,17 @@ def tilted(pieces, matrix, light, cast_shadow, half=0.98, baked=False, copies=()
 
 
 def hidden_share(*arguments, width=24, **options):
-    """Share of the light that shadow rays take away, where there is any; 0 only if all pixels are equal bit for bit."""
+    """Share of the light that shadow rays take away, where there is any; 0 only if all pixels are equal bit for
+    bit."""
     with_rays, without = (render(tilted(*arguments[:3], cast, **options), width, **FIXED) for cast in (True, False))
     assert (without.red > 0).mean() > 0.5
     assert with_rays.statistics["shadow_rays"] > 0
     return 1 - with_rays.red.sum() / without.red.sum() if (with_rays.red != without.red).any() else 0.0
 
 
-@pytest.mark.parametrize("scale, offset", [(1e-6, 0), (1e-6, 1e-3), (1e-3, 10), (1, 0), (1, 1e3), (1, 1e6), (1, 1e7), (1e4, 1e7)])
+@pytest.mark.parametrize(
+    "scale, offset", [(1e-6, 0), (1e-6, 1e-3), (1e-3, 10), (1, 0), (1, 1e3), (1, 1e6), (1, 1e7), (1e4, 1e7)]
+)
 @pytest.mark.parametrize("name", ["2 triangles", "20k triangles"])
 def test_open_floors_have_no_acne(name, scale, offset):
     """Eight tilts by two luminaires; positions in float64 in the vertices and in the instance's matrix, in turn."""
@@ -88,7 +92,10 @@ def test_open_floors_have_no_acne(name, scale, offset):
     for trial in range(8):
         matrix = placed(random, scale, offset)
         for light in ("above", "low"):
-            assert hidden_share([(FLOORS[name], np.eye(4))], matrix, LIGHTS[light], baked=trial % 2 == 0) == 0, (trial, light)
+            assert hidden_share([(FLOORS[name], np.eye(4))], matrix, LIGHTS[light], baked=trial % 2 == 0) == 0, (
+                trial,
+                light,
+            )
 
 
 @pytest.mark.parametrize("light", LIGHTS)
@@ -108,7 +115,10 @@ def test_uneven_instances_have_no_acne():
     stretch = scaling(1, 30, 0.01)
     squeezed = (FLOORS["20k triangles"][0] * [1, 1 / 30, 100], FLOORS["20k triangles"][1])
     for _ in range(12):
-        assert hidden_share([(squeezed, stretch)], placed(random, 1, 0), LIGHTS["above"], copies=[translation(0, 0, -0.7)]) == 0
+        assert (
+            hidden_share([(squeezed, stretch)], placed(random, 1, 0), LIGHTS["above"], copies=[translation(0, 0, -0.7)])
+            == 0
+        )
 
 
 @pytest.mark.parametrize("where", [0.0, 0.9])
@@ -144,8 +154,8 @@ def test_coincident_faces_have_no_acne():
 
 @pytest.mark.parametrize("scale, offset", [(1e-6, 1e-3), (1, 1e7), (1e4, 0)])
 def test_tilted_floors_against_the_closed_form(scale, offset):
-    """256 Owen-Sobol' points, luminaire at twice its size: relative error below 1e-3 everywhere (1e-4 standard error).
-    Points of the tilted floor by hand, since float32 cannot say a Position at 1e7 m."""
+    """256 Owen-Sobol' points, luminaire at twice its size: relative error below 1e-3 everywhere (1e-4 standard
+    error). Points of the tilted floor by hand, since float32 cannot say a Position at 1e7 m."""
     random = np.random.default_rng(7)
     where, size = LIGHTS["above"]
     centres = (np.arange(16) + 0.5) / 8 - 1
@@ -163,8 +173,8 @@ def test_tilted_floors_against_the_closed_form(scale, offset):
 @pytest.mark.parametrize("gap", [1e-2, 1e-3, 1e-4, 1e-5, 1e-6])
 @pytest.mark.parametrize("name", ["2 triangles", "20k triangles", "mixed"])
 def test_contact_shadows_do_not_leak(name, gap):
-    """A plate floating over a floor of the same shape at a distance of `gap` times the floor's width, seen from between:
-    black, 8 tilts x 576 points x 64 rays."""
+    """A plate floating over a floor of the same shape at a distance of `gap` times the floor's width, seen from
+    between: black, 8 tilts x 576 points x 64 rays."""
     random = np.random.default_rng(8)
     for _ in range(8):
         matrix = placed(random, 1, 0)
@@ -179,7 +189,8 @@ def test_contact_shadows_do_not_leak(name, gap):
 
 
 def test_nothing_gets_out_of_a_closed_box():
-    """The luminaire in a box that stands on the floor, 8 tilts x 2304 points x 64 rays: 1.2 million, none through an edge."""
+    """The luminaire in a box that stands on the floor, 8 tilts x 2304 points x 64 rays: 1.2 million, none through
+    an edge."""
     random = np.random.default_rng(9)
     for _ in range(8):
         matrix = placed(random, 1, 0)
@@ -195,7 +206,8 @@ def test_nothing_gets_out_of_a_closed_box():
 
 @pytest.mark.parametrize("overlap", [0.0, 1e-6])
 def test_nothing_gets_under_a_wall(overlap):
-    """A wall on the floor, edge to plane or reaching 1e-6 through it; floor points from 1e-6 to 1e-4 behind its foot."""
+    """A wall on the floor, edge to plane or reaching 1e-6 through it; floor points from 1e-6 to 1e-4 behind its
+    foot."""
     random = np.random.default_rng(10)
     for _ in range(12):
         matrix = placed(random, 1, 0)
@@ -211,8 +223,10 @@ def test_nothing_gets_under_a_wall(overlap):
 
 
 def test_a_small_object_in_a_huge_scene_keeps_its_shadow():
-    """A plate 0.05 mm above a receiver of 1 mm, alone and in the middle of a scene 10 km wide: rays start off a surface in
-    proportion to its own triangles, so both give the same picture. One point of 64 may fall otherwise: 2 % of the pixels."""
+    """A plate 0.05 mm above a receiver of 1 mm, alone and in the middle of a scene 10 km wide: rays start off a
+    surface in proportion to its own triangles, so both give the same picture. One point of 64 may fall otherwise: 2
+    % of the pixels."""
+
     def picture(surroundings):
         scene = pn.Scene()
         add(scene, "receiver", floor(5e-4))

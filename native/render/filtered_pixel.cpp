@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "render/filtered_pixel.h"
+
+#include <cmath>
+
+namespace penumbra {
+namespace {
+
+/// B blocks of n / B samples overstate the variance of the whole by B to this power: an edge in pixel and
+/// luminaire together has four dimensions, where the variance falls as n^-(1 + 1/4).
+constexpr double kBlockExponent = 1.25;
+
+}  // namespace
+
+PlaneFit::PlaneFit(const std::array<double, kFirstSamples>& px, const std::array<double, kFirstSamples>& py) {
+  double x = 0, y = 0, xx = 0, xy = 0, yy = 0;
+  for (uint32_t i = 0; i < kFirstSamples; ++i) {
+    x += px[i], y += py[i];
+    xx += px[i] * px[i], xy += px[i] * py[i], yy += py[i] * py[i];
+  }
+  // First column of the adjugate of the normal equations [4 x y; x xx xy; y xy yy].
+  const Vec3d c{xx * yy - xy * xy, xy * y - x * yy, x * xy - xx * y};
+  const double determinant = kFirstSamples * c.x + x * c.y + y * c.z;
+  const bool flat =
+      determinant < 0.05;  // of a pixel's units to the fourth: a triple of points nearly on a line
+  for (uint32_t i = 0; i < kFirstSamples; ++i)
+    h[i] = flat ? 0.25 : (c.x + c.y * px[i] + c.z * py[i]) / determinant;
+  // The residual of four points lies in one direction, the one all planes are orthogonal to: signed areas.
+  const auto area = [&](int a, int b, int d) {
+    return (px[b] - px[a]) * (py[d] - py[a]) - (px[d] - px[a]) * (py[b] - py[a]);
+  };
+  r = {area(1, 2, 3), -area(0, 2, 3), area(0, 1, 3), -area(0, 1, 2)};
+  const double size = std::sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2] + r[3] * r[3]);
+  for (double& value : r) value = size > 0 ? value / size : 0;
+}
+
+Vec3d FilteredPixel::estimate(std::span<const Slot> slots) const {
+  Vec3d sum = background / count;
+  for (const Slot& slot : slots) sum += slot.radiance(slot.now, count);
+  return sum;
+}
+
+Vec3d FilteredPixel::fitted(std::span<const Slot> slots) const {
+  Vec3d sum = background_fitted;
+  for (const Slot& slot : slots) sum += slot.fitted_radiance();
+  return {std::max(sum.x, 0.0), std::max(sum.y, 0.0), std::max(sum.z, 0.0)};
+}
+
+void FilteredPixel::close_level(std::span<Slot> slots, double display_scale) {
+  const bool power_of_two = (count & (count - 1)) == 0;
+  const int blocks = power_of_two ? 2 : 3;
+  const double size = double(count) / blocks;
+  Vec3d values[3];
+  if (power_of_two) {
+    values[0] = background_power / size;
+    values[1] = (background - background_power) / size;
+  } else {
+    values[0] = background_half / size;
+    values[1] = (background_power - background_half) / size;
+    values[2] = (background - background_power) / size;
+  }
+  for (const Slot& slot : slots) {
+    if (power_of_two) {
+      values[0] += slot.radiance(slot.power, size);
+      values[1] += slot.radiance(slot.now - slot.power, size);
+    } else {
+      values[0] += slot.radiance(slot.half, size);
+      values[1] += slot.radiance(slot.power - slot.half, size);
+      values[2] += slot.radiance(slot.now - slot.power, size);
+    }
+  }
+  Vec3d mean, squares;
+  for (int i = 0; i < blocks; ++i) mean += values[i] / blocks;
+  for (int i = 0; i < blocks; ++i) squares += (values[i] - mean) * (values[i] - mean);
+  variance = max_component(squares) / (blocks - 1) / std::pow(blocks, kBlockExponent) * display_scale *
+             display_scale;
+  if (!power_of_two) return;
+  background_half = background_power;
+  background_power = background;
+  for (Slot& slot : slots) {
+    slot.half = slot.power;
+    slot.power = slot.now;
+  }
+}
+
+}  // namespace penumbra
