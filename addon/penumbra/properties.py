@@ -86,8 +86,15 @@ class PenumbraSettings(bpy.types.PropertyGroup):
     )  # fmt: skip
     pixel_samples: IntProperty(
         name="Pixel Samples",
-        description="Camera rays per pixel; 1 is a single ray through the pixel's centre, without antialiasing",
+        description="Camera rays per pixel; 1 is a single ray through the pixel's centre, without antialiasing. With the"
+        " bounded stop rule any value above 1 turns antialiasing on, with as many rays as the tolerance needs",
         default=1, min=1, max=2**20, soft_max=256,
+    )  # fmt: skip
+    max_pixel_samples: IntProperty(
+        name="Max Pixel Samples",
+        description="Upper limit of camera rays per pixel with the bounded stop rule; the statistics count the pixels"
+        " that hit it",
+        default=8192, min=1, max=2**20, soft_max=65536,
     )  # fmt: skip
     filter_type: EnumProperty(
         name="Filter", description="Pixel filter, with more than one pixel sample", items=FILTERS,
