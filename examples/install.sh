@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Installs the Debian packages that Penumbra needs and that are missing; asks no question, does nothing if all are there.
-#   bash examples/install.sh [--tests]      --tests: those of the tests, too
+#   bash examples/install.sh [--tests] [--paper]      --tests, --paper: those of the tests, of examples/paper, too
 set -euo pipefail
 
 packages=(
@@ -10,12 +10,16 @@ packages=(
   pybind11-dev python3-dev python3-numpy    # the native module
   cmake ninja-build g++                     # the build
 )
-if [[ "${1:-}" == --tests ]]; then
-  packages+=(libgtest-dev python3-pytest python3-openimageio)
-elif [[ $# -gt 0 ]]; then
-  echo "install.sh: unknown argument '$1' (there is only --tests)" >&2
-  exit 2
-fi
+for argument in "$@"; do
+  case "$argument" in
+    --tests) packages+=(libgtest-dev python3-pytest python3-openimageio python3-matplotlib) ;;
+    --paper) packages+=(python3-matplotlib python3-markdown) ;;
+    *)
+      echo "install.sh: unknown argument '$argument' (there are --tests and --paper)" >&2
+      exit 2
+      ;;
+  esac
+done
 
 missing=()
 for package in "${packages[@]}"; do

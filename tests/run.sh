@@ -9,7 +9,7 @@ cd "$repository"
 export PATH=/usr/bin:$PATH  # Debian's Blender takes the standard library of the first python3 on the PATH
 export PYTHONDONTWRITEBYTECODE=1
 
-bash examples/install.sh --tests
+bash examples/install.sh --tests --paper
 
 echo "== build"
 cmake --preset test

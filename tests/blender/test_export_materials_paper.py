@@ -116,7 +116,9 @@ def test_lobes_of_different_roughness_become_the_strongest(exported):
     material, notes = exported(nodes)
     np.testing.assert_allclose(material.phong, (0.5, 0.5, 0.5), rtol=1e-6)
     assert material.phong_exponent == pytest.approx(7.5)
-    assert notes == [f"material 'Two lobes': its glossy nodes differ in roughness; that of {strong.name!r} was used for all"]
+    assert notes == [
+        f"material 'Two lobes': its glossy nodes differ in roughness; that of {strong.name!r} was used for all"
+    ]
 
 
 def test_an_empty_socket_and_a_weight_of_nothing_add_nothing(exported):
