@@ -3,6 +3,7 @@
 
     blender -b FILE.blend -P examples/render.py -- [--output OUT.exr] [--frame N | --frames A-B]
         [--statistics S.json] [--set NAME=VALUE ...] [--multilayer] [--view VIEW.png]
+    blender -b FILE.blend -P examples/render.py -- --report DIR [--report-pixels N] [--frame N] [--set NAME=VALUE ...]
 
 Every option may be left out; without --output the scene's own path and format are used. The exit code is 0 only if
 every picture is there, whole: it is written to a temporary file beside its place, read back, then renamed. Any failure
@@ -52,6 +53,8 @@ def parse_arguments() -> argparse.Namespace:
                         help="a setting of scene.penumbra, such as error_tolerance=0.002")  # fmt: skip
     parser.add_argument("--multilayer", action="store_true", help="write all passes into the .exr file")
     parser.add_argument("--view", type=Path, help="a .png as the screen shows it, beside the picture")
+    parser.add_argument("--report", type=Path, metavar="DIR", help="write a page on speed against error, no picture")
+    parser.add_argument("--report-pixels", type=int, metavar="N", help="scale the report's frame to so many pixels")
     return parser.parse_args(sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else [])
 
 
@@ -136,6 +139,18 @@ def render_frame(scene, frame: int, target: Path, package) -> dict:
     return statistics
 
 
+def write_report(arguments: argparse.Namespace, package) -> None:
+    """Renders the scene with many settings and writes the page that compares them."""
+    unused = ("output", "frames", "statistics", "multilayer", "view")
+    if given := [f"--{name}" for name in unused if getattr(arguments, name)]:
+        raise Failure(f"--report writes no picture: leave {', '.join(given)} out")
+    scene, report = bpy.context.scene, package.report
+    if arguments.frame is not None:
+        scene.frame_set(arguments.frame)
+    most = report.DEFAULT_PIXELS if arguments.report_pixels is None else max(arguments.report_pixels, 1)
+    print(f"{'Report':16} {report.write_report(scene, bpy.context.view_layer, arguments.report, most)}")
+
+
 def main() -> None:
     arguments = parse_arguments()
     package = penumbra_addon.load()
@@ -145,6 +160,9 @@ def main() -> None:
         raise Failure("Blender did not take Penumbra as the render engine")
     for text in arguments.set:
         apply_setting(scene.penumbra, text)
+    if arguments.report:
+        write_report(arguments, package)
+        return
     choose_format(scene, arguments, package)
     own_path = scene.render.frame_path  # by Blender's own rules
     frames = arguments.frames or [scene.frame_current if arguments.frame is None else arguments.frame]

@@ -6,6 +6,7 @@ The add-on is thin: it turns Blender's evaluated scene into arrays (export/), ha
 """
 
 from . import engine, panels, properties
+from .report import operator
 
 bl_info = {
     "name": "Penumbra",
@@ -22,11 +23,13 @@ def register() -> None:
     """Called by Blender when the add-on is enabled. A missing native module does not make it fail (see native.py)."""
     properties.register()
     engine.register()
+    operator.register()
     panels.register()
 
 
 def unregister() -> None:
     """Takes everything away that register() added."""
     panels.unregister()
+    operator.unregister()
     engine.unregister()
     properties.unregister()

@@ -100,6 +100,8 @@ class PENUMBRA_RENDER_PT_pixels(PropertiesPanel, bpy.types.Panel):
         column.prop(settings, "pixel_samples")
         column = column.column()
         column.active = settings.pixel_samples > 1
+        if settings.stop_rule == "BOUNDED":
+            column.prop(settings, "max_pixel_samples")
         column.prop(settings, "filter_type")
         column.prop(settings, "filter_width")
 
@@ -136,7 +138,9 @@ class PENUMBRA_RENDER_PT_statistics(PropertiesPanel, bpy.types.Panel):
     bl_label = "Statistics"
 
     def draw(self, context):
-        self.column().prop(context.scene.penumbra, "statistics_file")
+        column = self.column()
+        column.prop(context.scene.penumbra, "statistics_file")
+        column.operator("penumbra.report", text="Speed against Error...", icon="GRAPH")
         layout = self.layout.column(align=True)
         last = statistics.last_render
         if last is None:
