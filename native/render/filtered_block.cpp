@@ -339,7 +339,10 @@ void FilteredBlock::advance(uint32_t p) {
 double FilteredBlock::standard_error(uint32_t p, std::span<const uint32_t> uncertain) const {
   const FilteredPixel& pixel = pixels_[p];
   const double n = pixel.count, mean = pixel.x / n;
-  const double spread = std::max(pixel.xx / n - mean * mean, 0.0) + mean * mean / n;
+  // As if one more sample had seen the opposite: samples that agree are no proof.
+  const std::span<const Slot> slot{&slots_[size_t(p) * slot_count_], slot_count_};
+  const double opposite = std::max(mean, max_abs(pixel.unshadowed(slot)) * display_scale_);
+  const double spread = std::max(pixel.xx / n - mean * mean, 0.0) + opposite * opposite / n;
   const double prior = kSmoothed * kSmoothed * spread * std::pow(n, -2 * kExponent);
   const int x = int(p % block_.width), y = int(p / block_.width);
   double sum = 0;

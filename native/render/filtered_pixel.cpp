@@ -40,6 +40,12 @@ Vec3d FilteredPixel::estimate(std::span<const Slot> slots) const {
   return sum;
 }
 
+Vec3d FilteredPixel::unshadowed(std::span<const Slot> slots) const {
+  Vec3d sum = background;
+  for (const Slot& slot : slots) sum += slot.now.unshadowed;
+  return sum / count;
+}
+
 Vec3d FilteredPixel::fitted(std::span<const Slot> slots) const {
   Vec3d sum = background_fitted;
   for (const Slot& slot : slots) sum += slot.fitted_radiance();

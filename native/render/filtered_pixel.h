@@ -55,6 +55,8 @@ struct FilteredPixel {
 
   /// From all samples so far.
   Vec3d estimate(std::span<const Slot> slots) const;
+  /// The same, if nothing hid anything: what unseen occluders can be wrong about.
+  Vec3d unshadowed(std::span<const Slot> slots) const;
   /// From the first samples, nothing being uncertain: at the pixel's centre.
   Vec3d fitted(std::span<const Slot> slots) const;
   /// After the samples up to `count`, a level: the variance that its blocks tell; remembers the sums.

@@ -11,10 +11,10 @@
 namespace penumbra {
 
 struct PathEnd {
-  Vec3d background;           // what is seen where the path leaves the scene
-  double alpha = 0;           // 0 where the primary ray meets nothing and the film is transparent
-  bool hit = false;           // the primary ray met something,
-  SurfacePoint first;         // here
+  Vec3d background;                     // what is seen where the path leaves the scene
+  double alpha = 0;                     // 0 where the primary ray meets nothing and the film is transparent
+  bool hit = false;                     // the primary ray met something,
+  SurfacePoint first;                   // here
   const std::string* object = nullptr;  // and on this object
 };
 

@@ -142,7 +142,8 @@ void Renderer::work(RenderTally& tally) {
 
 std::vector<Rectangle> Renderer::wait(double seconds) {
   std::unique_lock lock(mutex_);
-  changed_.wait_for(lock, std::chrono::duration<double>(seconds),
+  const double limit = seconds < 1e6 ? seconds : 1e6;  // more, or infinity, overflows the clock
+  changed_.wait_for(lock, std::chrono::duration<double>(limit),
                     [this] { return !finished_.empty() || working_ == 0; });
   return std::exchange(finished_, {});
 }
