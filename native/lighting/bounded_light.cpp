@@ -91,7 +91,10 @@ void BlockLight::find_items() {
     for (uint32_t l = 0; l < luminaires_.size(); ++l) {
       const Luminaire& luminaire = luminaires_[l];
       const double form_factor = luminaire.form_factor(lit.surface);
-      if (form_factor <= 0) continue;
+      if (form_factor <= 0) {
+        tally_.decided_without_ray += in_core(lit.pixel, 0);
+        continue;
+      }
       BoundedItem item;
       item.point = p;
       item.luminaire = l;
@@ -115,12 +118,13 @@ double BlockLight::unshadowed_phong(const LitPoint& lit, const Luminaire& lumina
   alignas(64) float u[kBatch], v[kBatch], phong[kBatch];
   LightPoints points;
   double sum = 0;
-  const uint32_t count = std::min(kPhongPoints, settings_.max_light_samples / kBatch * kBatch);
+  const uint32_t count = std::min(kPhongPoints, settings_.max_light_samples / kPacket * kPacket);
   for (uint32_t first = 0; first < count; first += kBatch) {
-    sampler_.points(key, first, kBatch, u, v);
-    luminaire.evaluate(lit.surface, u, v, kBatch, points);
-    evaluate_phong(point, points.x, points.y, points.z, points.form_factor, kBatch, phong);
-    for (float value : phong) sum += double(value);
+    const uint32_t n = std::min(kBatch, count - first);
+    sampler_.points(key, first, n, u, v);
+    luminaire.evaluate(lit.surface, u, v, n, points);
+    evaluate_phong(point, points.x, points.y, points.z, points.form_factor, n, phong);
+    for (uint32_t i = 0; i < n; ++i) sum += double(phong[i]);
   }
   return sum / count;
 }
@@ -142,7 +146,7 @@ void BlockLight::drop_dim_items() {
       charge += items_[i].size() / 2;
       if (charge > kDropShare * settings_.tolerance) break;
       dropped[i] = true;
-      ++tally_.decided_without_ray;
+      tally_.decided_without_ray += in_core(p, 0);
       out_[p].radiance += items_[i].unshadowed() * 0.5;
       out_[p].error = charge;
     }

@@ -26,9 +26,6 @@ constexpr double kStop = 2.7, kReport = 2.2, kSmoothed = 1.0, kExponent = 0.65, 
 constexpr double kResidualShare = 0.7;
 /// Share of the tolerance that dim luminaires may be charged for being left out of the ray count.
 constexpr double kDropShare = 0.125;
-/// Neighbours across an edge: their normals differ by more than this, or one lies off the other's plane by
-/// more than this share of their distance (a curved surface that passes the first test stays below 0.16).
-constexpr double kEdgeCosine = 0.95, kEdgeSlope = 0.2;
 
 class FilteredBlock {
  public:
@@ -50,7 +47,6 @@ class FilteredBlock {
   void mark_uncertain(uint32_t p, uint32_t s);
   void mark_unseen(uint32_t p);
   void find_uncertain();
-  bool edge_between(const FilteredPixel& a, const FilteredPixel& b) const;
   void flood();
   void advance(uint32_t p);
   void refine_tile(uint32_t tile_x, uint32_t tile_y);
@@ -171,7 +167,10 @@ void FilteredBlock::find_contributions(uint32_t p, uint32_t first, std::span<Pat
     for (uint32_t l = 0; l < luminaires; ++l) {
       const Luminaire& luminaire = c_.luminaires[l];
       const double form_factor = luminaire.form_factor(lit.surface);
-      if (form_factor <= 0) continue;
+      if (form_factor <= 0) {
+        ++tally_.light.decided_without_ray;
+        continue;
+      }
       const uint32_t s = (lit.bounce * luminaires + l) * lobes;
       const Vec3d arriving = lit.throughput * luminaire.radiance();
       const Vec3d diffuse = arriving * lit.material->diffuse * form_factor;
@@ -179,6 +178,7 @@ void FilteredBlock::find_contributions(uint32_t p, uint32_t first, std::span<Pat
       // Too dim for a ray: half of it is added, and half of it is the error at most.
       if (luminaires > 1 && !has_phong && charge[sample] + size / 2 <= kDropShare * tolerance_) {
         charge[sample] += size / 2;
+        ++tally_.light.decided_without_ray;
         ends[sample].background += diffuse * 0.5;
         continue;
       }
@@ -261,16 +261,6 @@ void FilteredBlock::fit_plane(FilteredPixel& pixel, std::span<Slot> slot, const 
   pixel.uncertain = pixel.uncertain || pixel.residual > kResidualShare * tolerance_;
 }
 
-/// Do two pixels' first samples see different surfaces?
-bool FilteredBlock::edge_between(const FilteredPixel& a, const FilteredPixel& b) const {
-  if (a.first.object != b.first.object) return true;
-  if (!a.first.hit) return false;
-  const SurfacePoint &s = a.first.first, &t = b.first.first;
-  if (dot(s.normal, t.normal) < kEdgeCosine) return true;
-  const Vec3d between = t.position - s.position;
-  return std::abs(dot(between, s.geometric_normal)) > kEdgeSlope * length(between);
-}
-
 void FilteredBlock::find_uncertain() {
   // Edges reach into the pixels next to those that saw them, since the filter does.
   std::vector<uint8_t> flags(block_.pixels());
@@ -330,6 +320,7 @@ void FilteredBlock::advance(uint32_t p) {
     trace({&p, 1}, pixel.count, step);
     if (pixel.count != 8) continue;
     pixel.background_power = pixel.background;
+    pixel.alpha_power = pixel.alpha;
     for (Slot& slot : slots(p)) slot.power = slot.now;
   }
   pixel.close_level(slots(p), display_scale_);
@@ -338,12 +329,9 @@ void FilteredBlock::advance(uint32_t p) {
 /// Of the pixel's estimate, with its uncertain neighbours' help.
 double FilteredBlock::standard_error(uint32_t p, std::span<const uint32_t> uncertain) const {
   const FilteredPixel& pixel = pixels_[p];
-  const double n = pixel.count, mean = pixel.x / n;
-  // As if one more sample had seen the opposite: samples that agree are no proof.
+  const double n = pixel.count;
   const std::span<const Slot> slot{&slots_[size_t(p) * slot_count_], slot_count_};
-  const double opposite = std::max(mean, max_abs(pixel.unshadowed(slot)) * display_scale_);
-  const double spread = std::max(pixel.xx / n - mean * mean, 0.0) + opposite * opposite / n;
-  const double prior = kSmoothed * kSmoothed * spread * std::pow(n, -2 * kExponent);
+  const double prior = kSmoothed * kSmoothed * pixel.prior_variance(slot, display_scale_, kExponent);
   const int x = int(p % block_.width), y = int(p / block_.width);
   double sum = 0;
   int count = 0;

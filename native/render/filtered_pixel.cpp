@@ -10,7 +10,20 @@ namespace {
 /// luminaire together has four dimensions, where the variance falls as n^-(1 + 1/4).
 constexpr double kBlockExponent = 1.25;
 
+/// Neighbours across an edge: their normals differ by more than this, or one lies off the other's plane by
+/// more than this share of their distance (a curved surface that passes the first test stays below 0.16).
+constexpr double kEdgeCosine = 0.95, kEdgeSlope = 0.2;
+
 }  // namespace
+
+bool edge_between(const FilteredPixel& a, const FilteredPixel& b) {
+  if (a.first.object != b.first.object) return true;
+  if (!a.first.hit) return false;
+  const SurfacePoint &s = a.first.first, &t = b.first.first;
+  if (dot(s.normal, t.normal) < kEdgeCosine) return true;
+  const Vec3d between = t.position - s.position;
+  return std::abs(dot(between, s.geometric_normal)) > kEdgeSlope * length(between);
+}
 
 PlaneFit::PlaneFit(const std::array<double, kFirstSamples>& px, const std::array<double, kFirstSamples>& py) {
   double x = 0, y = 0, xx = 0, xy = 0, yy = 0;
@@ -52,12 +65,24 @@ Vec3d FilteredPixel::fitted(std::span<const Slot> slots) const {
   return {std::max(sum.x, 0.0), std::max(sum.y, 0.0), std::max(sum.z, 0.0)};
 }
 
+double FilteredPixel::prior_variance(std::span<const Slot> slots, double display_scale,
+                                     double exponent) const {
+  const double n = count, mean = x / n, opaque = alpha / n;
+  // As if one more sample had seen the opposite: samples that agree are no proof.
+  const double opposite = std::max(mean, max_abs(unshadowed(slots)) * display_scale);
+  const double spread = std::max(xx / n - mean * mean, 0.0) + opposite * opposite / n;
+  return std::max(spread, opaque * (1 - opaque)) * std::pow(n, -2 * exponent);
+}
+
 void FilteredPixel::close_level(std::span<Slot> slots, double display_scale) {
   const bool power_of_two = (count & (count - 1)) == 0;
   const int blocks = power_of_two ? 2 : 3;
   const double size = double(count) / blocks;
   Vec3d values[3];
+  double alphas[3] = {alpha_half, alpha_power - alpha_half, alpha - alpha_power};
   if (power_of_two) {
+    alphas[0] = alpha_power;
+    alphas[1] = alpha - alpha_power;
     values[0] = background_power / size;
     values[1] = (background - background_power) / size;
   } else {
@@ -76,13 +101,20 @@ void FilteredPixel::close_level(std::span<Slot> slots, double display_scale) {
     }
   }
   Vec3d mean, squares;
+  double alpha_squares = 0;
   for (int i = 0; i < blocks; ++i) mean += values[i] / blocks;
   for (int i = 0; i < blocks; ++i) squares += (values[i] - mean) * (values[i] - mean);
-  variance = max_component(squares) / (blocks - 1) / std::pow(blocks, kBlockExponent) * display_scale *
-             display_scale;
+  for (int i = 0; i < blocks; ++i) {
+    const double deviation = alphas[i] / size - alpha / count;
+    alpha_squares += deviation * deviation;
+  }
+  variance = std::max(max_component(squares) * display_scale * display_scale, alpha_squares) / (blocks - 1) /
+             std::pow(blocks, kBlockExponent);
   if (!power_of_two) return;
   background_half = background_power;
   background_power = background;
+  alpha_half = alpha_power;
+  alpha_power = alpha;
   for (Slot& slot : slots) {
     slot.half = slot.power;
     slot.power = slot.now;

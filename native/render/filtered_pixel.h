@@ -43,7 +43,7 @@ struct Slot {
 struct FilteredPixel {
   uint32_t count = 0;                                                      // samples
   Vec3d background, background_half, background_power, background_fitted;  // sums; at the centre
-  double alpha = 0;
+  double alpha = 0, alpha_half = 0, alpha_power = 0;                       // sums
   double x = 0, xx = 0;  // sums of each sample's own value and its square, display units
   double residual = 0;   // of the plane through the first samples' unshadowed values, display units
   double variance = 0;   // of the estimate, by its blocks, display units squared
@@ -59,9 +59,15 @@ struct FilteredPixel {
   Vec3d unshadowed(std::span<const Slot> slots) const;
   /// From the first samples, nothing being uncertain: at the pixel's centre.
   Vec3d fitted(std::span<const Slot> slots) const;
+  /// Of the estimate, from the spread of the samples alone, display units squared; with the exponent e of the
+  /// standard error's n^-e.
+  double prior_variance(std::span<const Slot> slots, double display_scale, double exponent) const;
   /// After the samples up to `count`, a level: the variance that its blocks tell; remembers the sums.
   void close_level(std::span<Slot> slots, double display_scale);
 };
+
+/// Do two pixels' first samples see different surfaces?
+bool edge_between(const FilteredPixel& a, const FilteredPixel& b);
 
 /// Weights h of four samples at offsets (x, y) from the pixel's centre, such that sum h f is f's value there
 /// for every linear f (the intercept of the least-squares plane), and weights r such that |sum r f| is the

@@ -52,10 +52,14 @@ RenderSettings RenderSettings::validated() const {
     require(side * side == light_samples,
             "sampler SPRS needs a square number of light_samples, not " + std::to_string(light_samples));
   }
-  if (stop_rule == StopRuleKind::kBounded)
-    require(sampler == SamplerKind::kOwenSobol && sample_reuse == SampleReuse::kScrambled,
-            "stop_rule BOUNDED needs sampler OWEN_SOBOL with sample_reuse SCRAMBLED: its error estimate "
-            "rests on them");
+  if (stop_rule == StopRuleKind::kBounded) {
+    require(
+        sampler == SamplerKind::kOwenSobol && sample_reuse == SampleReuse::kScrambled,
+        "stop_rule BOUNDED needs sampler OWEN_SOBOL with sample_reuse SCRAMBLED: its error estimate rests on "
+        "them");
+    require(max_light_samples >= kPacket, "stop_rule BOUNDED needs max_light_samples of at least 16");
+    require(max_pixel_samples >= kPacket, "stop_rule BOUNDED needs max_pixel_samples of at least 16");
+  }
   if (stop_rule == StopRuleKind::kPaper)
     require(max_light_samples >= 2 * check_interval,
             "stop_rule PAPER first compares at 2 x check_interval points: max_light_samples is below that");

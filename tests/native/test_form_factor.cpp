@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The engine's closed forms against other closed forms: the special cases of the rectangle, the disk, the
-// point light, and Lambert's formula as oracles.h writes it. Tolerances are those of the atan2 form in double
-// (hard-cases.md).
+// point light, and Lambert's formula as oracles.h writes it. Tolerances are those of the atan2 form in
+// double.
 #include <gtest/gtest.h>
 
 #include "luminaire/form_factor.h"

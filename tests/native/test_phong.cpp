@@ -103,6 +103,14 @@ TEST(Phong, IsReciprocal) {
   EXPECT_GT(compared, 500);
 }
 
+TEST(Phong, ReflectsAtTheInterpolatedNormal) {
+  // The facet lies flat, its smooth normal leans by 0.2 rad: a ray from above leaves at 0.4.
+  const SurfacePoint surface{{}, {0, 0, 1}, {std::sin(0.2), 0, std::cos(0.2)}, 0, 0, 0};
+  const Material material = phong_of(10);
+  const Vec3d mirror = ShadingPoint(surface, material, {0, 0, -3}).mirror_direction;
+  EXPECT_LE(max_abs(mirror - Vec3d{std::sin(0.4), 0, std::cos(0.4)}), 1e-15);
+}
+
 TEST(Phong, IsZeroWhereTheFormFactorIsAndBehindTheLobe) {
   const SurfacePoint surface = surface_with({0, 0, 1});
   const Material material = phong_of(10);

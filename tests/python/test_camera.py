@@ -115,30 +115,33 @@ def test_empty_scene_is_background_only():
     assert picture.statistics["primary_rays"] == 25 and picture.statistics["triangles"] == 0
 
 
-def test_box_filter_gives_coverage():
-    """A plate's edge 30 % into a pixel, tilted by nothing: alpha is the covered share, 256 Owen-Sobol' places:
-    1/256."""
+def edge_coverage(x, pixel_samples, filter_type, filter_width, **more):
+    """Alpha of 4 x 4 pixels from -2 to 2 over a plate that ends at x, nothing beyond."""
     scene = pn.Scene()
-    add(scene, "plate", parallelogram([-10, -10, 0], [10.3, 0, 0], [0, 20, 0]))
+    add(scene, "plate", parallelogram([-10, -10, 0], [10 + x, 0, 0], [0, 20, 0]))
     look_down(scene, 2.0)
     scene.set_background((0, 0, 0), transparent=True)
-    picture = render(scene, 4, pixel_samples=256, filter_type="BOX", filter_width=1.0)
-    np.testing.assert_allclose(
-        picture.passes["Combined"][..., 3], np.broadcast_to([1, 1, 0.3, 0], (4, 4)), atol=1 / 256
-    )
-    wide = render(scene, 4, pixel_samples=256, filter_type="BOX", filter_width=2.0)  # reaches half a pixel further
-    np.testing.assert_allclose(wide.passes["Combined"][..., 3], np.broadcast_to([1, 0.9, 0.4, 0], (4, 4)), atol=1 / 256)
+    chosen = {"pixel_samples": pixel_samples, "filter_type": filter_type, "filter_width": filter_width}
+    return render(scene, 4, **{"stop_rule": "FIXED", "light_samples": 1, **chosen, **more}).passes["Combined"][..., 3]
+
+
+def test_box_filter_gives_coverage():
+    """A plate's edge 30 % into a pixel: alpha is the covered share, 256 Owen-Sobol' places: 1/256. A filter of width 2
+    reaches half a pixel further to each side."""
+    for width, shares in ((1.0, [1, 1, 0.3, 0]), (2.0, [1, 0.9, 0.4, 0])):
+        np.testing.assert_allclose(edge_coverage(0.3, 256, "BOX", width), np.broadcast_to(shares, (4, 4)), atol=1 / 256)
+
+
+def test_bounded_keeps_the_tolerance_in_alpha_too():
+    """The same plate; it is black, so that only its coverage tells where more rays are needed."""
+    for x in (0.3, 0.71, 0.05):
+        alpha = edge_coverage(x, 2, "BOX", 1.0, stop_rule="BOUNDED", error_tolerance=0.002)
+        np.testing.assert_allclose(alpha, np.broadcast_to([1, 1, x, 0], (4, 4)), atol=0.002)
 
 
 def test_blackman_harris_filter_gives_its_share():
     """An edge through the pixels' middle: half, by symmetry, and the window's integral a quarter of its width away."""
-    scene = pn.Scene()
-    add(scene, "plate", parallelogram([-10, -10, 0], [10.5, 0, 0], [0, 20, 0]))
-    look_down(scene, 2.0)
-    scene.set_background((0, 0, 0), transparent=True)
-    alpha = render(scene, 4, pixel_samples=1024, filter_type="BLACKMAN_HARRIS", filter_width=4.0).passes["Combined"][
-        ..., 3
-    ]
+    alpha = edge_coverage(0.5, 1024, "BLACKMAN_HARRIS", 4.0)
     x = (np.arange(20000) + 0.5) / 20000
     w = 0.35875 - 0.48829 * np.cos(2 * np.pi * x) + 0.14128 * np.cos(4 * np.pi * x) - 0.01168 * np.cos(6 * np.pi * x)
     left_of = np.cumsum(w) / w.sum()
@@ -148,8 +151,8 @@ def test_blackman_harris_filter_gives_its_share():
 
 def test_data_passes_are_not_filtered():
     scene = with_floor("PERSPECTIVE", WINDOWS["centred"])
-    one = render(scene, WIDTH, HEIGHT, pixel_samples=1).passes
-    many = render(scene, WIDTH, HEIGHT, pixel_samples=8).passes
+    one = render(scene, WIDTH, HEIGHT, stop_rule="FIXED", pixel_samples=1).passes
+    many = render(scene, WIDTH, HEIGHT, stop_rule="FIXED", pixel_samples=8).passes
     left, right, bottom, top = WINDOWS["centred"]
     pixel = max((right - left) / WIDTH, (top - bottom) / HEIGHT)
     # The first ray's place, somewhere within the filter: a pixel or two away on the floor 4 m off, never an average.

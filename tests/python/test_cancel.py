@@ -68,6 +68,14 @@ def test_a_render_that_was_never_started():
     gc.collect()
 
 
+@pytest.mark.parametrize("seconds", [1e30, float("inf"), float("nan")])
+def test_waiting_without_end_waits_for_the_first_block(seconds):
+    job = pn.Render(lit_floor(), {"width": 64, "height": 64, "stop_rule": "FIXED", "light_samples": 1024})
+    job.start()
+    assert job.wait(seconds) != []
+    job.finish()
+
+
 def test_starting_twice_is_starting_once():
     job = pn.Render(lit_floor(), {"width": 16, "height": 16, "stop_rule": "FIXED"})
     job.start()

@@ -41,8 +41,8 @@ def rms(picture, exact):
 @pytest.mark.parametrize("sampler, reuse", itertools.product(SAMPLERS, REUSES))
 def test_fixed(sampler, reuse, floor):
     """PRS: s / sqrt(N), within four standard errors of an RMS over 576 independent pixels, 12 %. The others must be
-    better by the factors of the paper's Fig. 7 and of evidence.md, with room for one seed: SPRS 4, any
-    low-discrepancy sequence 2, Owen-scrambled (0,2) points 20 (but for ROTATED, which breaks the net)."""
+    better, as in the paper's Fig. 7, by half or less of what they gain here: SPRS 4 (of 8), any low-discrepancy
+    sequence 2 (of 3 or more), Owen-scrambled (0,2) points 20 (of 60; but for ROTATED, which breaks the net)."""
     exact, deviation = floor
     picture = render(lit_floor(), WIDTH, stop_rule="FIXED", sampler=sampler, sample_reuse=reuse, light_samples=N)
     independent = np.sqrt(np.mean(deviation**2) / N)

@@ -104,10 +104,11 @@ def test_threads_and_borders(rule, sampler, reuse):
     assert whole.statistics["mirror_rays"] > 0 and whole.statistics["non_finite_pixels"] == 0
 
 
+@pytest.mark.parametrize("rule", ["PAPER", "BOUNDED"])
 @pytest.mark.parametrize("filter_type", ["BOX", "BLACKMAN_HARRIS"])
-def test_antialiased(filter_type):
+def test_antialiased(filter_type, rule):
     """Several primary rays a pixel: their places belong to the pixel too."""
-    chosen = {**settings("PAPER", "OWEN_SOBOL", "SCRAMBLED"), "pixel_samples": 5, "filter_type": filter_type}
+    chosen = {**settings(rule, "OWEN_SOBOL", "SCRAMBLED"), "pixel_samples": 5, "filter_type": filter_type}
     whole = render(build(), 23, 17, threads=1, **chosen)
     assert bits(render(build(), 23, 17, threads=3, **chosen)) == bits(whole)
     left = render(build(), 23, 17, region=(0, 0, 9, 17), **chosen)

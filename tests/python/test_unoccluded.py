@@ -27,7 +27,7 @@ def expect(picture, form_factor, tolerance):
 
 @pytest.mark.parametrize("seed", [0, 1])
 def test_hundred_floor_points_under_a_square(seed):
-    """The acceptance of the first issue: relative error below 1e-5 at 100 points with 4096 Owen-Sobol' points each."""
+    """Relative error below 1e-5 at 100 points with 4096 Owen-Sobol' points each: five standard errors."""
     picture = render(lit_floor(RADIANCE), 10, stop_rule="FIXED", light_samples=4096, seed=seed)
     x, y = picture.position[..., 0], picture.position[..., 1]
     assert picture.position.shape == (10, 10, 3) and np.ptp(x) == pytest.approx(3.6)
@@ -136,6 +136,28 @@ def test_furnace():
         scene.add_area_light("wall", "RECTANGLE", rotation(axis, angle) @ translation(0, 0, 1), (2, 2), tuple(RADIANCE))
     look_down(scene, 0.1)
     expect(render(scene, 8, stop_rule="FIXED", light_samples=4096), 1.0, 1e-3)
+
+
+@pytest.mark.parametrize("exponent", [0.0, 5.0, 60.0])
+def test_phong_floor(exponent):
+    """Diffuse and Phong lobes together, seen from above: eq. (4) by the midpoint rule, 128 x 128, with the BRDF
+    albedo / pi + albedo (n + 2) / (2 pi) cos^n. 4096 points: 1e-3 (the lobe of
+    exponent 60 is narrower than the luminaire)."""
+    scene, matrix = pn.Scene(), light_above()
+    diffuse, phong = np.array([0.5, 0.2, 0.0]), np.array([0.1, 0.4, 1.0])
+    paint = scene.add_material("paint", tuple(diffuse), tuple(phong), exponent)
+    scene.add_instance("floor", scene.add_mesh("floor", *floor()), np.eye(4), [paint])
+    scene.add_area_light("key", "RECTANGLE", matrix, (1, 1), tuple(RADIANCE))
+    look_down(scene, 1.0)
+    picture = render(scene, 8, stop_rule="FIXED", light_samples=4096)
+    g = (np.arange(128) + 0.5) / 128
+    points = np.stack(np.meshgrid(g, g), axis=-1).reshape(-1, 2)
+    for index in np.ndindex(8, 8):
+        f, places = oracles.summands(picture.position[index], np.array(UP), matrix, (1, 1), points)
+        to_light = places - picture.position[index]
+        cosine = to_light[:, 2] / np.linalg.norm(to_light, axis=1)  # the mirror direction is straight up
+        exact = RADIANCE * (diffuse * f.mean() + phong * (f * (exponent + 2) / 2 * cosine**exponent).mean())
+        np.testing.assert_allclose(picture.passes["Combined"][index][:3], exact, rtol=1e-3)
 
 
 def test_no_light_no_ray():

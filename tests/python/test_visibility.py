@@ -55,7 +55,7 @@ def camera_above(scene, matrix, half, distance=5.0):
     scene.set_camera("ORTHOGRAPHIC", rigid, np.array([-half, half, -half, half]) * size, (0, 2 * distance * size))
 
 
-def tilted(pieces, matrix, light, cast_shadow, half=0.98, baked=False, copies=()):
+def tilted(pieces, matrix, light, cast_shadow, half=0.98, baked=False, copies=(), distance=5.0):
     """Meshes of one material at matrix x piece, a luminaire, and a camera above. Baked: the matrix goes into the
     vertices, in float64. Copies: further instances of each mesh, by matrices that come before the piece's own."""
     scene = pn.Scene()
@@ -69,7 +69,7 @@ def tilted(pieces, matrix, light, cast_shadow, half=0.98, baked=False, copies=()
             scene.add_instance(f"copy {i}", mesh, matrix @ copy @ piece, [grey])
     where, size = light
     scene.add_area_light("key", "RECTANGLE", matrix @ where, (size, size), (1, 1, 1), cast_shadow)
-    camera_above(scene, matrix, half)
+    camera_above(scene, matrix, half, distance)
     return scene
 
 
@@ -107,6 +107,17 @@ def test_floors_of_all_kinds_have_no_acne(name, light):
         copies = [translation(0, 0, -0.7)] if trial % 2 else []
         share = hidden_share([(FLOORS[name], np.eye(4))], placed(random, 1, 0), LIGHTS[light], copies=copies)
         assert share == 0, trial
+
+
+def test_shared_floors_in_the_scenes_centre_have_no_acne():
+    """Large triangles, tilted in their own space too, seen close to the origin of render space, where coordinates say
+    nothing of the triangles' size."""
+    random = np.random.default_rng(11)
+    copies, light = [translation(0, 0, -0.7), translation(0, 0, 0.7)], (translation(0, 0, 0.5), 0.3)
+    for _ in range(16):
+        turn = rotation(random.normal(size=3), random.uniform(0, 180))
+        piece = ((apply(turn, FLOORS["2 triangles"][0]), FLOORS["2 triangles"][1]), turn.T)
+        assert hidden_share([piece], placed(random, 1, 0), light, copies=copies, half=0.02, distance=0.3) == 0
 
 
 def test_uneven_instances_have_no_acne():
@@ -183,6 +194,23 @@ def test_contact_shadows_do_not_leak(name, gap):
             add(scene, f"plate {i}", FLOORS[name], matrix @ translation(0, 0, z))
         scene.add_area_light("key", "RECTANGLE", matrix @ translation(0, 0, 1), (0.5, 0.5), (1, 1, 1))
         camera_above(scene, matrix, 0.5, gap)
+        picture = render(scene, 24, **FIXED)
+        assert picture.statistics["shadow_rays"] > 0
+        assert (picture.red == 0).all()
+
+
+@pytest.mark.parametrize("gap", [1e-2, 1e-3, 1e-4, 1e-5])
+def test_plates_just_below_the_luminaire_hide_it(gap):
+    """Twice the luminaire's size, `gap` times its distance below it: black everywhere. Rays end 2^-18 = 4e-6 short."""
+    random = np.random.default_rng(12)
+    for _ in range(4):
+        matrix = placed(random, 1, 0)
+        scene = pn.Scene()
+        add(scene, "floor", FLOORS["20k triangles"], matrix)
+        add(scene, "plate", parallelogram([-0.1, -0.1, 1 - gap], [0.2, 0, 0], [0, 0.2, 0]), matrix)
+        scene.add_area_light("key", "RECTANGLE", matrix @ translation(0, 0, 1), (0.1, 0.1), (1, 1, 1))
+        camera_above(scene, matrix, 0.98, 0.5)
+        # At 0.98 x sqrt(2) to the side a plate at a gap of 1e-2 is still seen before the whole luminaire.
         picture = render(scene, 24, **FIXED)
         assert picture.statistics["shadow_rays"] > 0
         assert (picture.red == 0).all()
