@@ -86,8 +86,8 @@ class PenumbraSettings(bpy.types.PropertyGroup):
     )  # fmt: skip
     pixel_samples: IntProperty(
         name="Pixel Samples",
-        description="Camera rays per pixel; 1 is a single ray through the pixel's centre, without antialiasing. With the"
-        " bounded stop rule any value above 1 turns antialiasing on, with as many rays as the tolerance needs",
+        description="Camera rays per pixel; 1 is a single ray through the pixel's centre, without antialiasing. With"
+        " the bounded stop rule any value above 1 turns antialiasing on, with as many rays as the tolerance needs",
         default=1, min=1, max=2**20, soft_max=256,
     )  # fmt: skip
     max_pixel_samples: IntProperty(

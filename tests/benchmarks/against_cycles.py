@@ -3,9 +3,10 @@
 
     blender -b examples/four_objects.blend -P tests/benchmarks/against_cycles.py -- OUTPUT_FOLDER [PERCENTAGE]
 
-One centre ray a pixel, one thread, everything in one run. Error: against 16384 fixed Owen-Sobol' points of another seed,
-away from the edges of objects (a pixel's centre there may hit another object in each renderer). Time: CPU seconds of
-bpy.ops.render.render, saving and synchronisation included. Writes speed_against_error.csv and .png and prints a table.
+One centre ray a pixel, one thread, everything in one run. Error: against 16384 fixed Owen-Sobol' points of another
+seed, away from the edges of objects (a pixel's centre there may hit another object in each renderer). Time: CPU
+seconds of bpy.ops.render.render, saving and synchronisation included. Writes speed_against_error.csv and .png and
+prints a table.
 """
 
 import csv
@@ -27,7 +28,7 @@ from helpers import render_pixels, use_cycles_as_reference  # noqa: E402
 
 REFERENCE = {"stop_rule": "FIXED", "light_samples": 16384, "seed": 4711}
 RUNS = (
-    [("Penumbra, BOUNDED", tolerance, {"error_tolerance": tolerance}) for tolerance in (0.02, 0.01, 0.004, 0.002, 0.001)]
+    [("Penumbra, BOUNDED", eps, {"error_tolerance": eps}) for eps in (0.02, 0.01, 0.004, 0.002, 0.001)]
     + [("Penumbra, FIXED", n, {"stop_rule": "FIXED", "light_samples": n}) for n in (16, 64, 256, 1024)]
     + [("Cycles", n, None) for n in (16, 64, 256, 1024)]
 )
@@ -43,8 +44,9 @@ def picture(scene, settings: dict | None, samples: int) -> tuple[dict, float]:
     if settings is None:
         use_cycles_as_reference(scene, samples)
     else:
-        for name in scene.penumbra.bl_rna.properties.keys():
-            scene.penumbra.property_unset(name)
+        for setting in scene.penumbra.bl_rna.properties:
+            if not setting.is_readonly:
+                scene.penumbra.property_unset(setting.identifier)
         scene.penumbra.pixel_samples = 1
         for name, value in settings.items():
             setattr(scene.penumbra, name, value)

@@ -103,9 +103,7 @@ def test_a_group_takes_its_first_diffuse(colour_of):
     tree.links.new(inside.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
     colour, notes = colour_of(material)
     np.testing.assert_allclose(colour, ORANGE, rtol=1e-6)
-    assert notes == [
-        "material 'Material': node 'Group' is not supported yet; the colour of 'Diffuse BSDF' was used"
-    ]
+    assert notes == ["material 'Material': node 'Group' is not supported yet; the colour of 'Diffuse BSDF' was used"]
 
 
 def test_a_shader_without_diffuse_is_grey(colour_of):

@@ -87,9 +87,7 @@ def test_wholly_lit_pixels_are_exact_and_cheap():
 
 
 def test_pixels_at_the_limit_say_so():
-    picture = render(
-        make(foliage), WIDTH, HEIGHT, stop_rule="BOUNDED", error_tolerance=0.001, max_light_samples=64
-    )
+    picture = render(make(foliage), WIDTH, HEIGHT, stop_rule="BOUNDED", error_tolerance=0.001, max_light_samples=64)
     assert picture.statistics["pixels_at_sample_limit"] > 100
     at_limit = picture.light_samples == 64
     assert (picture.passes["Error Estimate"][..., 0][at_limit] > 0.001).mean() > 0.5
