@@ -108,8 +108,10 @@ void BlockLight::find_items() {
       if (item.size() > 0) items_.push_back(item);
     }
   }
-  std::stable_sort(items_.begin(), items_.end(),
-                   [this](const BoundedItem& a, const BoundedItem& b) { return slot(a) < slot(b); });
+  const auto before = [this](const BoundedItem& a, const BoundedItem& b) { return slot(a) < slot(b); };
+  // One luminaire and no mirrors: they are in order already.
+  if (!std::is_sorted(items_.begin(), items_.end(), before))
+    std::stable_sort(items_.begin(), items_.end(), before);
 }
 
 double BlockLight::unshadowed_phong(const LitPoint& lit, const Luminaire& luminaire,
