@@ -15,8 +15,8 @@ cmake --preset benchmark >/dev/null && cmake --build --preset benchmark
 echo "== shadow rays: whole render against a raw Embree loop, one thread"
 build/benchmark/ray_rate 320 5 --csv | tee "$output/ray_rate.csv"
 
-echo "== speed against error: Penumbra and Cycles, one thread, 640 x 480"
+echo "== speed against error: Penumbra and Cycles, one thread, 320 x 240"
 blender -b --factory-startup --python-exit-code 1 -P examples/make_four_objects.py >/dev/null
-blender -b examples/four_objects.blend --python-exit-code 1 -P tests/benchmarks/against_cycles.py -- "$output" 100 |
+blender -b examples/four_objects.blend --python-exit-code 1 -P tests/benchmarks/against_cycles.py -- "$output" 50 |
   grep -E "Penumbra|Cycles"
 echo "Results are in $output/"
