@@ -233,15 +233,14 @@ void BlockLight::settle_certain_items() {
 }
 
 void BlockLight::refine_tiles() {
-  constexpr uint32_t kTileSide = 8;
-  const uint32_t columns = (block_.core_width + kTileSide - 1) / kTileSide;
-  const uint32_t rows = (block_.core_height + kTileSide - 1) / kTileSide;
+  const uint32_t columns = (block_.core_width + kTile - 1) / kTile;
+  const uint32_t rows = (block_.core_height + kTile - 1) / kTile;
   std::vector<std::vector<BoundedItem*>> tiles(size_t(columns) * rows);
   for (BoundedItem& item : items_) {
     if (!item.uncertain || !in_core(pixel(item), 0)) continue;
     const uint32_t x = pixel(item) % block_.width - block_.core_x,
                    y = pixel(item) / block_.width - block_.core_y;
-    tiles[y / kTileSide * columns + x / kTileSide].push_back(&item);
+    tiles[y / kTile * columns + x / kTile].push_back(&item);
   }
   const TileRefiner refiner(item_sampler_, points_, block_, settings_);
   for (auto& tile : tiles) {

@@ -18,7 +18,7 @@ class DirectLight final : public Lighting {
         stop_(stop),
         display_scale_(display_scale) {}
 
-  uint32_t block_side() const override { return 8; }
+  uint32_t block_side() const override { return kTile; }
   uint32_t halo() const override { return 0; }
   void light(const Block& block, const std::vector<LitPoint>& points, std::vector<PixelLight>& out,
              LightTally& tally) const override;

@@ -12,6 +12,10 @@
 
 namespace penumbra {
 
+/// Side of a tile in pixels. Where neighbours matter, blocks are made of whole tiles of the full frame, so
+/// that a pixel does not depend on where a border cuts.
+inline constexpr uint32_t kTile = 8;
+
 /// A surface point that a pixel sees, directly or in mirrors.
 struct LitPoint {
   SurfacePoint surface;
@@ -61,7 +65,7 @@ class Lighting {
  public:
   virtual ~Lighting() = default;
 
-  /// Side of the blocks it wants, a multiple of 8 pixels, and the pixels beyond that it looks at.
+  /// Side of the blocks it wants, a multiple of kTile, and the pixels beyond that it looks at.
   virtual uint32_t block_side() const = 0;
   virtual uint32_t halo() const = 0;
 

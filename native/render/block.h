@@ -12,10 +12,6 @@
 
 namespace penumbra {
 
-/// Side of a tile in pixels. Where neighbours matter, blocks are made of whole tiles of the full frame, so
-/// that a pixel does not depend on where a border cuts.
-inline constexpr uint32_t kTile = 8;
-
 /// Everything that is the same for all blocks of a render.
 struct RenderContext {
   const RenderSettings& settings;

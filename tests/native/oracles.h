@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "math/transform.h"
+#include "scene/scene.h"
+#include "scene/surface_point.h"
 
 namespace penumbra::test {
 
@@ -77,5 +79,15 @@ class Trials {
  private:
   std::mt19937 engine_;
 };
+
+/// A point to be lit, facing `normal`.
+inline SurfacePoint surface_at(const Vec3d& position, const Vec3d& normal) {
+  return {position, normal, normal, 0, 0, 0};
+}
+
+/// A luminaire of unit radiance.
+inline AreaLuminaire light(LuminaireShape shape, const Affine& transform, double size_x, double size_y) {
+  return {"light", shape, transform, size_x, size_y, {1, 1, 1}, true};
+}
 
 }  // namespace penumbra::test

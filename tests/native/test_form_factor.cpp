@@ -12,15 +12,9 @@ namespace penumbra {
 namespace {
 
 using test::kPi;
+using test::light;
+using test::surface_at;
 using test::Trials;
-
-SurfacePoint surface_at(const Vec3d& position, const Vec3d& normal) {
-  return {position, normal, normal, 0, 0, 0};
-}
-
-AreaLuminaire light(LuminaireShape shape, const Affine& transform, double size_x, double size_y) {
-  return {"light", shape, transform, size_x, size_y, {1, 1, 1}, true};
-}
 
 Luminaire rectangle(const Affine& transform, double size_x, double size_y) {
   return Luminaire(light(LuminaireShape::kRectangle, transform, size_x, size_y), {});

@@ -9,15 +9,9 @@ namespace penumbra {
 namespace {
 
 using test::kPi;
+using test::light;
+using test::surface_at;
 using test::Trials;
-
-SurfacePoint surface_at(const Vec3d& position, const Vec3d& normal) {
-  return {position, normal, normal, 0, 0, 0};
-}
-
-AreaLuminaire light(LuminaireShape shape, const Affine& transform, double size_x, double size_y) {
-  return {"light", shape, transform, size_x, size_y, {1, 1, 1}, true};
-}
 
 std::vector<Vec3d> corners(const AreaLuminaire& l) {
   std::vector<Vec3d> c;
