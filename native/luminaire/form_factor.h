@@ -5,6 +5,7 @@
 #include <span>
 
 #include "math/vector.h"
+#include "scene/surface_columns.h"
 
 namespace penumbra {
 
@@ -16,6 +17,11 @@ namespace penumbra {
 /// small and for far luminaires, where the arc cosine of a dot product loses all of it.
 double polygon_form_factor(std::span<const Vec3d> vertices, std::span<const Vec3d> edges,
                            const Vec3d& normal);
+
+/// The same for many surface points: the polygon's corner lies at `corner` (render space), its vertices
+/// relative to that; `facing` is its normal. out[i] is 0 for points behind the polygon.
+void polygon_form_factors(std::span<const Vec3d> vertices, std::span<const Vec3d> edges, const Vec3d& corner,
+                          const Vec3d& facing, const SurfaceColumns& points, double* out);
 
 inline constexpr size_t kMostVertices = 64;
 

@@ -27,29 +27,41 @@ void square_to_disk(const float* u, const float* v, uint32_t count, float* s, fl
   }
 }
 
-struct FormFactorTerms {
-  float origin[3], edge_u[3], edge_v[3];  // of the luminaire, relative to the shading point
-  float surface_normal[3], light_normal[3];
-  float scale;  // area / pi
-};
+/// From a surface point with `surface_normal` to the luminaire's corner, then to its point (s, t): direction
+/// and cos cos' / r^2 term. A direction of no or infinite length gives 0, as do both horizons.
+inline void evaluate_one(const FormFactorTerms& g, const Vec3f& corner, const Vec3f& surface_normal, float s,
+                         float t, LightPoints& out, uint32_t i) {
+  const float dx = corner.x + (s * g.edge_u.x + t * g.edge_v.x);
+  const float dy = corner.y + (s * g.edge_u.y + t * g.edge_v.y);
+  const float dz = corner.z + (s * g.edge_u.z + t * g.edge_v.z);
+  const float cos_surface = dx * surface_normal.x + dy * surface_normal.y + dz * surface_normal.z;
+  const float cos_light = -(dx * g.normal.x + dy * g.normal.y + dz * g.normal.z);
+  const float inverse = 1.0f / (dx * dx + dy * dy + dz * dz);
+  const float value = (cos_surface * inverse) * (cos_light * inverse) * g.scale;
+  out.x[i] = dx;
+  out.y[i] = dy;
+  out.z[i] = dz;
+  // Written so that NaN and Inf (a point on the luminaire) fail the test.
+  out.form_factor[i] = cos_surface > 0 && cos_light > 0 && value < 3e38f ? value : 0.0f;
+}
 
-/// Directions and cos cos' / r^2 terms. A direction of no or infinite length gives 0, as do both horizons.
 PENUMBRA_VECTORIZED
-void evaluate_form_factor(const FormFactorTerms& g, const float* s, const float* t, uint32_t count,
-                          LightPoints& out) {
-  for (uint32_t i = 0; i < count; ++i) {
-    const float dx = g.origin[0] + (s[i] * g.edge_u[0] + t[i] * g.edge_v[0]);
-    const float dy = g.origin[1] + (s[i] * g.edge_u[1] + t[i] * g.edge_v[1]);
-    const float dz = g.origin[2] + (s[i] * g.edge_u[2] + t[i] * g.edge_v[2]);
-    const float cos_surface = dx * g.surface_normal[0] + dy * g.surface_normal[1] + dz * g.surface_normal[2];
-    const float cos_light = -(dx * g.light_normal[0] + dy * g.light_normal[1] + dz * g.light_normal[2]);
-    const float inverse = 1.0f / (dx * dx + dy * dy + dz * dz);
-    const float value = (cos_surface * inverse) * (cos_light * inverse) * g.scale;
-    out.x[i] = dx;
-    out.y[i] = dy;
-    out.z[i] = dz;
-    // Written so that NaN and Inf (a point on the luminaire) fail the test.
-    out.form_factor[i] = cos_surface > 0 && cos_light > 0 && value < 3e38f ? value : 0.0f;
+void evaluate_from_one(const FormFactorTerms& terms, const Vec3f& corner, const Vec3f& surface_normal,
+                       const float* s, const float* t, uint32_t count, LightPoints& out) {
+  const FormFactorTerms g = terms;  // copies: `out` can't alias them
+  const Vec3f from = corner, normal = surface_normal;
+  for (uint32_t i = 0; i < count; ++i) evaluate_one(g, from, normal, s[i], t[i], out, i);
+}
+
+PENUMBRA_VECTORIZED
+void evaluate_from_each(const FormFactorTerms& terms, const Vec3d& corner, const SurfaceColumns& surfaces,
+                        const float* s, const float* t, LightPoints& out) {
+  const FormFactorTerms g = terms;
+  const Vec3d c = corner;
+  for (uint32_t i = 0; i < surfaces.count; ++i) {
+    const Vec3f from(float(c.x - surfaces.x[i]), float(c.y - surfaces.y[i]), float(c.z - surfaces.z[i]));
+    const Vec3f normal(float(surfaces.normal_x[i]), float(surfaces.normal_y[i]), float(surfaces.normal_z[i]));
+    evaluate_one(g, from, normal, s[i], t[i], out, i);
   }
 }
 
@@ -71,6 +83,7 @@ Luminaire::Luminaire(const AreaLuminaire& description, const Normalization& norm
   normal_ = normalize(cross(edge_u_, edge_v_));
   // It emits towards local -z, in mirrored and sheared transforms too.
   if (dot(normal_, t.z_axis) > 0) normal_ = -normal_;
+  terms_ = {Vec3f(edge_u_), Vec3f(edge_v_), Vec3f(normal_), float(area_ / kPi)};
   make_outline();
 }
 
@@ -109,23 +122,30 @@ bool Luminaire::unseen_from(const SurfacePoint& surface) const {
   return true;
 }
 
+void Luminaire::form_factors(const SurfaceColumns& surfaces, double* out) const {
+  polygon_form_factors(vertices_, edges_, corner_, normal_, surfaces, out);
+}
+
+void Luminaire::to_shape(const float*& u, const float*& v, uint32_t count, float* s, float* t) const {
+  if (shape_ == LuminaireShape::kRectangle) return;
+  square_to_disk(u, v, count, s, t);
+  u = s;
+  v = t;
+}
+
 void Luminaire::evaluate(const SurfacePoint& surface, const float* u, const float* v, uint32_t count,
                          LightPoints& out) const {
   alignas(64) float s[kBatch], t[kBatch];
-  if (shape_ == LuminaireShape::kEllipse) {
-    square_to_disk(u, v, count, s, t);
-    u = s;
-    v = t;
-  }
-  const Vec3f origin(corner_ - surface.position);  // subtracted in double
-  const Vec3f edge_u(edge_u_), edge_v(edge_v_), n(surface.normal), l(normal_);
-  const FormFactorTerms terms{{origin.x, origin.y, origin.z},
-                              {edge_u.x, edge_u.y, edge_u.z},
-                              {edge_v.x, edge_v.y, edge_v.z},
-                              {n.x, n.y, n.z},
-                              {l.x, l.y, l.z},
-                              float(area_ / kPi)};
-  evaluate_form_factor(terms, u, v, count, out);
+  to_shape(u, v, count, s, t);
+  const Vec3f from(corner_ - surface.position);  // subtracted in double
+  evaluate_from_one(terms_, from, Vec3f(surface.normal), u, v, count, out);
+}
+
+void Luminaire::evaluate_each(const SurfaceColumns& surfaces, const float* u, const float* v,
+                              LightPoints& out) const {
+  alignas(64) float s[kBatch], t[kBatch];
+  to_shape(u, v, surfaces.count, s, t);
+  evaluate_from_each(terms_, corner_, surfaces, u, v, out);
 }
 
 }  // namespace penumbra

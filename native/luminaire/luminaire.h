@@ -7,20 +7,23 @@
 
 #include "scene/normalization.h"
 #include "scene/scene.h"
-#include "scene/surface_point.h"
+#include "scene/surface_columns.h"
 
 namespace penumbra {
 
-/// Points handled at a time: four packets keep the vectorised loops long and the arrays in the first cache.
-inline constexpr uint32_t kBatch = 64;
-
-/// Points on one luminaire as seen from one surface point, render space.
+/// Points on one luminaire as seen from one surface point, or from one each, render space.
 struct LightPoints {
   /// From the surface point to the point on the luminaire.
   alignas(64) float x[kBatch], y[kBatch], z[kBatch];
   /// The summands of eq. (4) with visibility, radiance and albedo left out: area x cos cos' / (pi r^2). Their
   /// mean is the form factor F, and L = albedo x L_e x F. Zero: no contribution, no ray needed.
   alignas(64) float form_factor[kBatch];
+};
+
+/// What each of a flat luminaire's points sends, single precision.
+struct FormFactorTerms {
+  Vec3f edge_u, edge_v, normal;
+  float scale;  // area / pi
 };
 
 /// A flat, one-sided luminaire of constant radiance in render space.
@@ -38,16 +41,23 @@ class Luminaire {
   /// ellipse counts as the polygon of 64 sides and equal area around it (relative error 1e-6 from one
   /// radius away, tests/native/test_luminaire.cpp).
   double form_factor(const SurfacePoint& surface) const;
+  /// The same for many surface points at once.
+  void form_factors(const SurfaceColumns& surfaces, double* out) const;
 
   /// Maps points of the unit square to the luminaire, uniformly in area, and evaluates them.
   void evaluate(const SurfacePoint& surface, const float* u, const float* v, uint32_t count,
                 LightPoints& out) const;
+  /// One point of the luminaire for each of many surface points: (u, v)[i] for surface i.
+  void evaluate_each(const SurfaceColumns& surfaces, const float* u, const float* v, LightPoints& out) const;
 
   const Vec3d& radiance() const { return radiance_; }
   bool casts_shadow() const { return cast_shadow_; }
 
  private:
   void make_outline();
+  /// The unit square to the parallelogram's coordinates; u and v may be replaced by s and t, which hold the
+  /// result.
+  void to_shape(const float*& u, const float*& v, uint32_t count, float* s, float* t) const;
 
   LuminaireShape shape_;
   std::vector<Vec3d> vertices_, edges_;  // outline relative to corner_, and from each vertex to the next
@@ -55,6 +65,7 @@ class Luminaire {
   Vec3d normal_;                         // unit, on the emitting side
   double area_;                          // of the shape, render space
   Vec3d radiance_;
+  FormFactorTerms terms_;
   bool cast_shadow_;
 };
 

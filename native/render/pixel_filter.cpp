@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "render/pixel_filter.h"
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -28,15 +27,20 @@ PixelFilter::PixelFilter(FilterKind kind, double width) : width_(width) {
   if (kind == FilterKind::kBox) return;
   cumulative_.resize(kIntervals + 1);
   for (int i = 0; i <= kIntervals; ++i) cumulative_[i] = blackman_harris_integral(double(i) / kIntervals);
+  for (int k = 0, i = 0; k <= kIntervals; ++k) {
+    while (i + 1 < kIntervals && cumulative_[i + 1] <= double(k) / kIntervals) ++i;
+    guide_.push_back(uint16_t(i));
+  }
 }
 
 double PixelFilter::offset(double x) const {
   if (cumulative_.empty()) return (x - 0.5) * width_;
   // Linear between the table's places: the filter becomes a histogram of 1024 steps.
-  const auto above = std::upper_bound(cumulative_.begin() + 1, cumulative_.end() - 1, x);
-  const double low = *(above - 1), high = *above;
+  int i = guide_[size_t(x * kIntervals)];
+  while (i + 1 < kIntervals && cumulative_[i + 1] <= x) ++i;
+  const double low = cumulative_[i], high = cumulative_[i + 1];
   const double fraction = high > low ? (x - low) / (high - low) : 0.5;
-  return ((double(above - 1 - cumulative_.begin()) + fraction) / kIntervals - 0.5) * width_;
+  return ((i + fraction) / kIntervals - 0.5) * width_;
 }
 
 }  // namespace penumbra

@@ -2,6 +2,7 @@
 // The pixel filter, importance sampled: a uniform variate becomes an offset from the pixel's centre.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 namespace penumbra {
@@ -19,8 +20,9 @@ class PixelFilter {
 
  private:
   double width_;
-  std::vector<double>
-      cumulative_;  // of the filter over its support; empty for a box, whose inverse is linear
+  // Of the filter over its support; empty for a box, whose inverse is linear.
+  std::vector<double> cumulative_;
+  std::vector<uint16_t> guide_;  // for each 1/1024 of x, the interval where the search for its inverse begins
 };
 
 }  // namespace penumbra

@@ -6,6 +6,7 @@
 
 #include "luminaire/form_factor.h"
 #include "luminaire/luminaire.h"
+#include "math/arc_tangent.h"
 #include "oracles.h"
 
 namespace penumbra {
@@ -165,6 +166,42 @@ TEST(FormFactor, RandomEllipses) {
         Luminaire(light(LuminaireShape::kEllipse, t, x, y), {}).form_factor(surface_at(point, n));
     EXPECT_NEAR(f, exact, 1e-5 * exact + 2e-6) << "trial " << trial;
   }
+}
+
+TEST(FormFactor, ManyPointsAtOnceAreTheSame) {
+  // Above, across and below the horizon, behind the luminaire and in its plane, from 1e-4 to 1e3 sizes away.
+  // The angles' polynomial costs 1e-12, the order of subtraction up to 1e-16 / 1e-4 more.
+  Trials trials(5);
+  for (LuminaireShape shape : {LuminaireShape::kRectangle, LuminaireShape::kEllipse}) {
+    for (int trial = 0; trial < 40; ++trial) {
+      const AreaLuminaire description = light(shape, trials.transform(1), 0.7, 0.4);
+      const Luminaire luminaire(description, {});
+      SurfaceColumns columns;
+      std::vector<SurfacePoint> points;
+      for (uint32_t i = 0; i < kBatch - uint32_t(trial); ++i) {
+        const double distance = std::pow(10.0, trials.uniform(-4, 3));
+        points.push_back(surface_at(description.world_from_light.origin + trials.direction() * distance,
+                                    trials.direction()));
+        columns.add(points.back());
+      }
+      double many[kBatch];
+      luminaire.form_factors(columns, many);
+      for (size_t i = 0; i < points.size(); ++i) {
+        const double one = luminaire.form_factor(points[i]);
+        EXPECT_NEAR(many[i], one, 1e-11 * one + 1e-13) << "trial " << trial << ", point " << i;
+      }
+    }
+  }
+}
+
+TEST(FormFactor, AnglesOfThePolynomial) {
+  for (int i = 0; i <= 20000; ++i) {
+    const double angle = kPi * i / 20000, size = std::pow(10.0, i % 13 - 6);
+    const double y = std::abs(std::sin(angle)) * size, x = std::cos(angle) * size;
+    EXPECT_NEAR(angle_of(y, x), std::atan2(y, x), 1e-12 * std::atan2(y, x)) << angle;
+  }
+  EXPECT_NEAR(angle_of(1e-200, 1), 1e-200, 1e-212);
+  EXPECT_EQ(angle_of(0, 1), 0);
 }
 
 TEST(FormFactor, VerticesOnTheHorizon) {

@@ -49,6 +49,30 @@ double midpoint_form_factor(const Luminaire& luminaire, const SurfacePoint& surf
   return sum / (double(n) * n);
 }
 
+TEST(Luminaire, APointForEachSurfaceIsThatPointForOne) {
+  Trials trials(6);
+  for (LuminaireShape shape : {LuminaireShape::kRectangle, LuminaireShape::kEllipse}) {
+    const Luminaire luminaire(light(shape, trials.transform(1), 0.7, 0.4), {});
+    SurfaceColumns columns;
+    std::vector<SurfacePoint> surfaces;
+    alignas(64) float u[kBatch], v[kBatch];
+    for (uint32_t i = 0; i < kBatch; ++i) {
+      surfaces.push_back(surface_at(trials.vector(4), trials.direction()));
+      columns.add(surfaces.back());
+      u[i] = float(trials.uniform(0, 1)), v[i] = float(trials.uniform(0, 1));
+    }
+    LightPoints each, one;
+    luminaire.evaluate_each(columns, u, v, each);
+    for (uint32_t i = 0; i < kBatch; ++i) {
+      luminaire.evaluate(surfaces[i], &u[i], &v[i], 1, one);
+      EXPECT_EQ(each.x[i], one.x[0]);
+      EXPECT_EQ(each.y[i], one.y[0]);
+      EXPECT_EQ(each.z[i], one.z[0]);
+      EXPECT_EQ(each.form_factor[i], one.form_factor[0]);
+    }
+  }
+}
+
 TEST(Luminaire, MeanFormFactorIsLambertsForRandomRectangles) {
   // Midpoint rule with 256 x 256 cells, points at least 0.7 of the luminaire's size away: its error falls as
   // 1/n^2 where the integrand is smooth (1e-5) and, where the horizon cuts the luminaire, as a kink's: 1/n^2
