@@ -159,7 +159,7 @@ void BlockLight::drop_dim_items() {
   items_.resize(kept);
 }
 
-/// The first points of each item, one in each quarter of the luminaire.
+/// The first points of each item, one in each quarter of the luminaire; all of a point light are the same.
 void BlockLight::first_look() {
   alignas(64) float u[kPacket], v[kPacket];
   alignas(64) int traced[kPacket];
@@ -169,7 +169,8 @@ void BlockLight::first_look() {
     sampler_.points(item_sampler_.key(item), 0, kPacket, u, v);
     luminaires_[item.luminaire].evaluate(lit.surface, u, v, kPacket, points);
     float* f = points.form_factor;
-    std::fill(f + kFirstLook, f + kPacket, 0.0f);
+    const uint32_t looks = luminaires_[item.luminaire].is_point() ? 1 : kFirstLook;
+    std::fill(f + looks, f + kPacket, 0.0f);
     uint8_t facing = 0;
     for (uint32_t i = 0; i < kFirstLook; ++i) facing |= uint8_t((f[i] > 0) << i);
     if (luminaires_[item.luminaire].casts_shadow())
@@ -190,6 +191,7 @@ void BlockLight::gate() {
           uint8_t((items_[end].first_lit ? kLit : 0) | (items_[end].first_dark ? kDark : 0));
     spread(seen, block_.width, block_.height, kGateReach);
     for (size_t i = begin; i < end; ++i) {
+      if (luminaires_[items_[i].luminaire].is_point()) continue;         // one ray told all
       const bool blind = !items_[i].first_lit && !items_[i].first_dark;  // all four below the horizon
       items_[i].uncertain = seen[pixel(items_[i])] == (kLit | kDark) || blind;
     }
@@ -225,8 +227,10 @@ void BlockLight::settle_certain_items() {
   for (const BoundedItem& item : items_) {
     if (item.uncertain) continue;
     PixelLight& pixel_light = out_[pixel(item)];
-    pixel_light.points += kFirstLook;
+    const bool exact = luminaires_[item.luminaire].is_point();
+    pixel_light.points += exact ? 1 : kFirstLook;
     if (item.first_lit) pixel_light.radiance += item.unshadowed();
+    if (exact) continue;
     double& certain = certain_error_[pixel(item)];
     certain = std::min(std::hypot(certain, missed * item.size()), settings_.tolerance / 2);
   }

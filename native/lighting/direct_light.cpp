@@ -46,7 +46,7 @@ DirectLight::Estimate DirectLight::from(const Luminaire& luminaire, const Shadin
   LightPoints points;
   // The growing rules decide after few points: a packet at a time wastes least.
   const uint32_t step = stop_.kind == StopRuleKind::kFixed ? kBatch : kPacket;
-  const uint32_t limit = stop_.limit();
+  const uint32_t limit = luminaire.is_point() ? 1 : stop_.limit();
   uint64_t traced = 0;
   bool done = false;
   uint32_t until_check = rule.next_check(0);
@@ -82,7 +82,7 @@ DirectLight::Estimate DirectLight::from(const Luminaire& luminaire, const Shadin
   tally.shadow_rays += traced;
   if (traced == 0) ++tally.decided_without_ray;
   return {moments.mean(diffuse, phong), moments.variance_of_mean(diffuse, phong), uint64_t(moments.count),
-          !done};
+          !done && !luminaire.is_point()};
 }
 
 }  // namespace penumbra

@@ -1,151 +1,32 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "luminaire/luminaire.h"
 
-#include <cmath>
-#include <numbers>
-
-#include "luminaire/form_factor.h"
-#include "math/simd.h"
+#include "luminaire/flat_emitter.h"
+#include "luminaire/point_emitter.h"
 
 namespace penumbra {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+struct Parts {
+  std::shared_ptr<const Emitter> emitter;
+  Vec3d radiance;
+};
 
-/// Unit square to the square around the unit disk's centre, [0,1]^2 again, uniformly in area and with little
-/// distortion (Shirley and Chiu 1997): the coordinates are those of the parallelogram around the ellipse.
-void square_to_disk(const float* u, const float* v, uint32_t count, float* s, float* t) {
-  for (uint32_t i = 0; i < count; ++i) {
-    const float a = 2 * u[i] - 1, b = 2 * v[i] - 1;
-    const bool wide = std::abs(a) > std::abs(b);
-    const float radius = wide ? a : b;
-    const float ratio = radius == 0 ? 0 : (wide ? b : a) / radius;
-    const float angle = float(kPi / 4) * ratio;
-    const float c = std::cos(angle) * radius, d = std::sin(angle) * radius;
-    s[i] = 0.5f + 0.5f * (wide ? c : d);
-    t[i] = 0.5f + 0.5f * (wide ? d : c);
-  }
+Parts make_parts(const AreaLuminaire& d, const Normalization& n) {
+  return {std::make_shared<FlatEmitter>(d, n), d.radiance};
 }
 
-/// From a surface point with `surface_normal` to the luminaire's corner, then to its point (s, t): direction
-/// and cos cos' / r^2 term. A direction of no or infinite length gives 0, as do both horizons.
-inline void evaluate_one(const FormFactorTerms& g, const Vec3f& corner, const Vec3f& surface_normal, float s,
-                         float t, LightPoints& out, uint32_t i) {
-  const float dx = corner.x + (s * g.edge_u.x + t * g.edge_v.x);
-  const float dy = corner.y + (s * g.edge_u.y + t * g.edge_v.y);
-  const float dz = corner.z + (s * g.edge_u.z + t * g.edge_v.z);
-  const float cos_surface = dx * surface_normal.x + dy * surface_normal.y + dz * surface_normal.z;
-  const float cos_light = -(dx * g.normal.x + dy * g.normal.y + dz * g.normal.z);
-  const float inverse = 1.0f / (dx * dx + dy * dy + dz * dz);
-  const float value = (cos_surface * inverse) * (cos_light * inverse) * g.scale;
-  out.x[i] = dx;
-  out.y[i] = dy;
-  out.z[i] = dz;
-  // Written so that NaN and Inf (a point on the luminaire) fail the test.
-  out.form_factor[i] = cos_surface > 0 && cos_light > 0 && value < 3e38f ? value : 0.0f;
-}
-
-PENUMBRA_VECTORIZED
-void evaluate_from_one(const FormFactorTerms& terms, const Vec3f& corner, const Vec3f& surface_normal,
-                       const float* s, const float* t, uint32_t count, LightPoints& out) {
-  const FormFactorTerms g = terms;  // copies: `out` can't alias them
-  const Vec3f from = corner, normal = surface_normal;
-  for (uint32_t i = 0; i < count; ++i) evaluate_one(g, from, normal, s[i], t[i], out, i);
-}
-
-PENUMBRA_VECTORIZED
-void evaluate_from_each(const FormFactorTerms& terms, const Vec3d& corner, const SurfaceColumns& surfaces,
-                        const float* s, const float* t, LightPoints& out) {
-  const FormFactorTerms g = terms;
-  const Vec3d c = corner;
-  for (uint32_t i = 0; i < surfaces.count; ++i) {
-    const Vec3f from(float(c.x - surfaces.x[i]), float(c.y - surfaces.y[i]), float(c.z - surfaces.z[i]));
-    const Vec3f normal(float(surfaces.normal_x[i]), float(surfaces.normal_y[i]), float(surfaces.normal_z[i]));
-    evaluate_one(g, from, normal, s[i], t[i], out, i);
-  }
+Parts make_parts(const PointLuminaire& d, const Normalization& n) {
+  return {std::make_shared<PointEmitter>(d, n), d.intensity * (n.scale * n.scale)};  // of render space
 }
 
 }  // namespace
 
-double area_of(LuminaireShape shape, const Affine& world_from_light, double size_x, double size_y) {
-  const double parallelogram =
-      length(cross(world_from_light.x_axis * size_x, world_from_light.y_axis * size_y));
-  return shape == LuminaireShape::kEllipse ? parallelogram * kPi / 4 : parallelogram;
-}
-
-Luminaire::Luminaire(const AreaLuminaire& description, const Normalization& normalization)
-    : shape_(description.shape), radiance_(description.radiance), cast_shadow_(description.cast_shadow) {
-  const Affine t = normalization.transform(description.world_from_light);
-  edge_u_ = t.x_axis * description.size_x;
-  edge_v_ = t.y_axis * description.size_y;
-  corner_ = t.origin - edge_u_ * 0.5 - edge_v_ * 0.5;
-  area_ = area_of(shape_, t, description.size_x, description.size_y);
-  normal_ = normalize(cross(edge_u_, edge_v_));
-  // It emits towards local -z, in mirrored and sheared transforms too.
-  if (dot(normal_, t.z_axis) > 0) normal_ = -normal_;
-  terms_ = {Vec3f(edge_u_), Vec3f(edge_v_), Vec3f(normal_), float(area_ / kPi)};
-  make_outline();
-}
-
-void Luminaire::make_outline() {
-  if (shape_ == LuminaireShape::kRectangle) {
-    vertices_ = {{}, edge_u_, edge_u_ + edge_v_, edge_v_};
-    edges_ = {edge_u_, edge_v_, -edge_u_, -edge_v_};
-    return;
-  }
-  constexpr int kSides = kMostVertices;
-  // Radius of the regular polygon that has the circle's area.
-  const double radius = 0.5 * std::sqrt(2 * kPi / kSides / std::sin(2 * kPi / kSides));
-  const auto vertex = [&](int i) {
-    const double angle = 2 * kPi * i / kSides;
-    return edge_u_ * (0.5 + radius * std::cos(angle)) + edge_v_ * (0.5 + radius * std::sin(angle));
-  };
-  for (int i = 0; i < kSides; ++i) {
-    vertices_.push_back(vertex(i));
-    edges_.push_back(vertex(i + 1) - vertex(i));
-  }
-}
-
-double Luminaire::form_factor(const SurfacePoint& surface) const {
-  const Vec3d origin = corner_ - surface.position;
-  if (dot(origin, normal_) >= 0) return 0;  // behind it, or in its plane
-  Vec3d from_point[kMostVertices];
-  for (size_t i = 0; i < vertices_.size(); ++i) from_point[i] = origin + vertices_[i];
-  return polygon_form_factor({from_point, vertices_.size()}, edges_, surface.normal);
-}
-
-bool Luminaire::unseen_from(const SurfacePoint& surface) const {
-  const Vec3d origin = corner_ - surface.position;
-  if (dot(origin, normal_) >= 0) return true;
-  for (const Vec3d& corner : {origin, origin + edge_u_, origin + edge_v_, origin + edge_u_ + edge_v_})
-    if (dot(corner, surface.normal) > 0) return false;
-  return true;
-}
-
-void Luminaire::form_factors(const SurfaceColumns& surfaces, double* out) const {
-  polygon_form_factors(vertices_, edges_, corner_, normal_, surfaces, out);
-}
-
-void Luminaire::to_shape(const float*& u, const float*& v, uint32_t count, float* s, float* t) const {
-  if (shape_ == LuminaireShape::kRectangle) return;
-  square_to_disk(u, v, count, s, t);
-  u = s;
-  v = t;
-}
-
-void Luminaire::evaluate(const SurfacePoint& surface, const float* u, const float* v, uint32_t count,
-                         LightPoints& out) const {
-  alignas(64) float s[kBatch], t[kBatch];
-  to_shape(u, v, count, s, t);
-  const Vec3f from(corner_ - surface.position);  // subtracted in double
-  evaluate_from_one(terms_, from, Vec3f(surface.normal), u, v, count, out);
-}
-
-void Luminaire::evaluate_each(const SurfaceColumns& surfaces, const float* u, const float* v,
-                              LightPoints& out) const {
-  alignas(64) float s[kBatch], t[kBatch];
-  to_shape(u, v, surfaces.count, s, t);
-  evaluate_from_each(terms_, corner_, surfaces, u, v, out);
+Luminaire::Luminaire(const LuminaireDescription& description, const Normalization& normalization) {
+  const auto parts = std::visit([&](const auto& d) { return make_parts(d, normalization); }, description);
+  emitter_ = parts.emitter;
+  radiance_ = parts.radiance;
+  cast_shadow_ = std::visit([](const auto& d) { return d.cast_shadow; }, description);
 }
 
 }  // namespace penumbra

@@ -5,7 +5,7 @@
 #include <chrono>
 #include <stdexcept>
 
-#include "luminaire/luminaire.h"
+#include "luminaire/flat_emitter.h"
 #include "python/arrays.h"
 #include "python/bindings.h"
 
@@ -49,6 +49,26 @@ void add_area_light(PythonScene& self, const std::string& name, const std::strin
   self.scene->add_luminaire({name, shape_from_name(shape, name),
                              read_transform(world_from_light, name, "world_from_light"), size[0], size[1],
                              vec(radiance), cast_shadow});
+}
+
+RoundShape round_shape_from_name(const std::string& shape, const std::string& name) {
+  if (shape == "SPHERE") return RoundShape::kSphere;
+  if (shape == "FACING_DISK") return RoundShape::kFacingDisk;
+  throw py::value_error(name + ": shape is '" + shape + "', expected SPHERE or FACING_DISK");
+}
+
+void add_point_light(PythonScene& self, const std::string& name, const py::array& world_from_light,
+                     double radius, const Color& intensity, bool cast_shadow, const std::string& shape,
+                     const std::optional<Pair>& spot, bool cosine_falloff) {
+  PointLuminaire light{name,
+                       round_shape_from_name(shape, name),
+                       read_transform(world_from_light, name, "world_from_light"),
+                       radius,
+                       vec(intensity),
+                       cast_shadow,
+                       {}};
+  if (spot) light.spot = SpotCone{(*spot)[0], (*spot)[1], cosine_falloff};
+  self.scene->add_luminaire(std::move(light));
 }
 
 void set_camera(PythonScene& self, const std::string& kind, const py::array& world_from_camera,
@@ -108,6 +128,14 @@ the end use the last one.)")
            R"(Adds a flat, one-sided luminaire in its local xy plane, emitting towards local -z.
 
 shape: RECTANGLE or ELLIPSE. size: full extents (x, y) before the transform. radiance: (r, g, b), W/(sr m^2).)")
+      .def("add_point_light", &add_point_light, py::arg("name"), py::arg("world_from_light"),
+           py::arg("radius"), py::arg("intensity"), py::arg("cast_shadow") = true,
+           py::arg("shape") = "SPHERE", py::arg("spot") = py::none(), py::arg("cosine_falloff") = false,
+           R"(Adds a luminaire around a point, of radiance intensity / (pi radius^2).
+
+radius: world units; 0 is a point. intensity: (r, g, b), W/sr. shape: SPHERE, or FACING_DISK, a disk that faces whoever
+looks at it. spot: (full angle in radians, blend 0 ... 1) of a cone around local -z, None for light in all directions;
+cosine_falloff multiplies it with the cosine to the axis.)")
       .def_static(
           "area_of",
           [](const std::string& shape, const py::array& world_from_light, const Pair& size) {

@@ -26,7 +26,7 @@ SamplerSettings pixel_sampler_settings(const RenderSettings& settings) {
 
 std::vector<Luminaire> emitting_luminaires(const Scene& scene, const Normalization& normalization) {
   std::vector<Luminaire> luminaires;
-  for (const AreaLuminaire& description : scene.luminaires()) {
+  for (const LuminaireDescription& description : scene.luminaires()) {
     const Luminaire luminaire(description, normalization);
     if (!luminaire.dark()) luminaires.push_back(luminaire);
   }

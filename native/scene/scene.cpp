@@ -102,7 +102,29 @@ void Scene::add_luminaire(AreaLuminaire luminaire) {
   hash_ = hash_bytes(hash_, &luminaire.radiance, sizeof(Vec3d));
   const double shape[3] = {double(luminaire.shape), luminaire.size_x, luminaire.size_y};
   hash_ = hash_of(hash_bytes(hash_, shape, sizeof(shape)), luminaire.cast_shadow);
-  luminaires_.push_back(std::move(luminaire));
+  luminaires_.emplace_back(std::move(luminaire));
+}
+
+void Scene::add_luminaire(PointLuminaire luminaire) {
+  const std::string& name = luminaire.name;
+  const Affine& t = luminaire.world_from_light;
+  if (!t.finite()) refuse(name, "the transform is not finite");
+  if (!(luminaire.radius >= 0 && std::isfinite(luminaire.radius)))
+    refuse(name, "the radius must be finite and not negative");
+  if (!is_finite(luminaire.intensity)) refuse(name, "the intensity is not finite");
+  hash_ = hash_bytes(hash_, &t, sizeof(Affine));
+  hash_ = hash_bytes(hash_, &luminaire.intensity, sizeof(Vec3d));
+  const double shape[3] = {double(luminaire.shape), luminaire.radius, double(luminaire.cast_shadow)};
+  hash_ = hash_bytes(hash_, shape, sizeof(shape));
+  if (luminaire.spot) {
+    const SpotCone& spot = *luminaire.spot;
+    if (!(spot.angle >= 0 && spot.angle <= 3.2 && spot.blend >= 0 && spot.blend <= 1))
+      refuse(name, "the spot's angle must lie in 0 ... pi and its blend in 0 ... 1");
+    if (t.determinant() == 0) refuse(name, "a spot's transform must not be singular");
+    const double cone[3] = {spot.angle, spot.blend, double(spot.cosine_falloff)};
+    hash_ = hash_bytes(hash_, cone, sizeof(cone));
+  }
+  luminaires_.emplace_back(std::move(luminaire));
 }
 
 void Scene::set_camera(const Camera& camera) {

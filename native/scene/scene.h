@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "math/transform.h"
+#include "scene/luminaires.h"
 
 namespace penumbra {
 
@@ -34,18 +35,6 @@ struct Material {
   double phong_exponent = 0;
 };
 
-enum class LuminaireShape { kRectangle, kEllipse };
-
-/// A flat luminaire of constant radiance, centred in its local xy plane and emitting towards local -z.
-struct AreaLuminaire {
-  std::string name;
-  LuminaireShape shape;
-  Affine world_from_light;
-  double size_x, size_y;  // full extents in local space
-  Vec3d radiance;         // W / (sr m^2)
-  bool cast_shadow = true;
-};
-
 enum class CameraKind { kPerspective, kOrthographic };
 
 /// Looks along its local -z. `window` is the full frame in the plane z = -1 (perspective) or in world units.
@@ -68,6 +57,7 @@ class Scene {
   uint32_t add_material(Material material);
   void add_instance(Instance instance);
   void add_luminaire(AreaLuminaire luminaire);
+  void add_luminaire(PointLuminaire luminaire);
   void set_camera(const Camera& camera);
   void set_background(const Background& background);
 
@@ -80,7 +70,7 @@ class Scene {
   uint64_t hash() const { return hash_; }
 
   const std::vector<Material>& materials() const { return materials_; }
-  const std::vector<AreaLuminaire>& luminaires() const { return luminaires_; }
+  const std::vector<LuminaireDescription>& luminaires() const { return luminaires_; }
   const Camera& camera() const;
   const Background& background() const { return background_; }
   bool has_mirrors() const { return has_mirrors_; }
@@ -91,7 +81,7 @@ class Scene {
   std::vector<Mesh> meshes_;
   std::vector<Instance> instances_;
   std::vector<Material> materials_;
-  std::vector<AreaLuminaire> luminaires_;
+  std::vector<LuminaireDescription> luminaires_;
   Camera camera_;
   Background background_;
   bool has_camera_ = false, has_mirrors_ = false, frozen_ = false;

@@ -22,6 +22,12 @@ struct SurfaceColumns {
     normal_x[count] = point.normal.x, normal_y[count] = point.normal.y, normal_z[count] = point.normal.z;
     ++count;
   }
+
+  /// Position and normal of one of them; nothing else is known.
+  SurfacePoint point(uint32_t i) const {
+    const Vec3d normal{normal_x[i], normal_y[i], normal_z[i]};
+    return {{x[i], y[i], z[i]}, normal, normal, 0, 0, 0};
+  }
 };
 
 }  // namespace penumbra

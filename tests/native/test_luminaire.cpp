@@ -2,6 +2,7 @@
 // Oracles: Lambert's polygon formula with horizon clipping and the disk's form factor, in double (oracles.h).
 #include <gtest/gtest.h>
 
+#include "luminaire/flat_emitter.h"
 #include "luminaire/luminaire.h"
 #include "oracles.h"
 

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What light comes from, as shading points see it: a shape, and what each of its points would send.
+#pragma once
+
+#include <cstdint>
+
+#include "scene/surface_columns.h"
+
+namespace penumbra {
+
+/// Points on one luminaire as seen from one surface point, or from one each, render space.
+struct LightPoints {
+  /// From the surface point to the point on the luminaire; for a distant one, beyond the scene.
+  alignas(64) float x[kBatch], y[kBatch], z[kBatch];
+  /// The summands of eq. (4) with visibility, radiance and albedo left out, for a flat luminaire area x
+  /// cos cos' / (pi r^2). Their mean is the form factor F, and L = albedo x L_e x F. Zero: no contribution,
+  /// no ray needed.
+  alignas(64) float form_factor[kBatch];
+};
+
+/// A shape in render space that sends light, without its colour. Immutable; copies of a luminaire share it.
+class Emitter {
+ public:
+  virtual ~Emitter() = default;
+
+  /// It sends nothing to any point.
+  virtual bool dark() const { return false; }
+  /// Light comes from one point or direction: all points are the same, and one ray tells all.
+  virtual bool is_point() const { return false; }
+
+  /// No point of it is both above the surface's horizon and sending light there.
+  virtual bool unseen_from(const SurfacePoint& surface) const { return form_factor(surface) <= 0; }
+
+  /// Form factor E / (pi L_e) at a surface point where nothing hides the luminaire.
+  virtual double form_factor(const SurfacePoint& surface) const = 0;
+  /// The same for many surface points at once.
+  virtual void form_factors(const SurfaceColumns& surfaces, double* out) const;
+
+  /// Maps points of the unit square to the luminaire and evaluates them.
+  virtual void evaluate(const SurfacePoint& surface, const float* u, const float* v, uint32_t count,
+                        LightPoints& out) const = 0;
+  /// One point for each of many surface points: (u, v)[i] for surface i.
+  virtual void evaluate_each(const SurfaceColumns& surfaces, const float* u, const float* v,
+                             LightPoints& out) const;
+};
+
+/// Form factor from the centres of side x side equal cells of the unit square, where there is no closed form.
+/// side: a multiple of 8.
+double midpoint_form_factor(const Emitter& emitter, const SurfacePoint& surface, uint32_t side);
+
+}  // namespace penumbra

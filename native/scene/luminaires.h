@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The kinds of luminaires a scene can have, in world space.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <variant>
+
+#include "math/transform.h"
+
+namespace penumbra {
+
+enum class LuminaireShape { kRectangle, kEllipse };
+
+/// A flat luminaire of constant radiance, centred in its local xy plane and emitting towards local -z.
+struct AreaLuminaire {
+  std::string name;
+  LuminaireShape shape;
+  Affine world_from_light;
+  double size_x, size_y;  // full extents in local space
+  Vec3d radiance;         // W / (sr m^2)
+  bool cast_shadow = true;
+};
+
+/// The cone of a spot around the light's local -z: full inside, none outside `angle`, and between them
+/// smoothstep((cos - cos(angle / 2)) / ((1 - cos(angle / 2)) blend)) of the direction's cosine, taken in the
+/// light's own axes.
+struct SpotCone {
+  double angle, blend;          // full angle in radians, 0 ... pi; share of it, 0 ... 1
+  bool cosine_falloff = false;  // times the cosine itself
+};
+
+enum class RoundShape { kSphere, kFacingDisk };
+
+/// A luminaire around a point: a sphere, or a disk that faces whoever looks at it. Its radiance is
+/// intensity / (pi radius^2); of radius 0 it is a point.
+struct PointLuminaire {
+  std::string name;
+  RoundShape shape;
+  Affine world_from_light;  // the axes count for the spot's cone alone
+  double radius;            // world units, not scaled by the transform
+  Vec3d intensity;          // W / sr
+  bool cast_shadow = true;
+  std::optional<SpotCone> spot;
+};
+
+using LuminaireDescription = std::variant<AreaLuminaire, PointLuminaire>;
+
+}  // namespace penumbra
