@@ -2,7 +2,7 @@
 """Renders a .blend file with Penumbra, without a window:
 
     blender -b FILE.blend -P examples/render.py -- [--output OUT.exr] [--frame N | --frames A-B]
-        [--statistics S.json] [--set NAME=VALUE ...] [--multilayer] [--view VIEW.png]
+        [--statistics S.json] [--set NAME=VALUE ...] [--multilayer] [--view VIEW.png] [--checkpoint DIR]
     blender -b FILE.blend -P examples/render.py -- --report DIR [--report-pixels N] [--frame N] [--set NAME=VALUE ...]
 
 Every option may be left out; without --output the scene's own path and format are used. The exit code is 0 only if
@@ -53,6 +53,9 @@ def parse_arguments() -> argparse.Namespace:
                         help="a setting of scene.penumbra, such as error_tolerance=0.002")  # fmt: skip
     parser.add_argument("--multilayer", action="store_true", help="write all passes into the .exr file")
     parser.add_argument("--view", type=Path, help="a .png as the screen shows it, beside the picture")
+    parser.add_argument(
+        "--checkpoint", type=Path, metavar="DIR", help="keep finished tiles there, and go on from those that are there"
+    )
     parser.add_argument("--report", type=Path, metavar="DIR", help="write a page on speed against error, no picture")
     parser.add_argument("--report-pixels", type=int, metavar="N", help="scale the report's frame to so many pixels")
     return parser.parse_args(sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else [])
@@ -141,7 +144,7 @@ def render_frame(scene, frame: int, target: Path, package) -> dict:
 
 def write_report(arguments: argparse.Namespace, package) -> None:
     """Renders the scene with many settings and writes the page that compares them."""
-    unused = ("output", "frames", "statistics", "multilayer", "view")
+    unused = ("output", "frames", "statistics", "multilayer", "view", "checkpoint")
     if given := [f"--{name}" for name in unused if getattr(arguments, name)]:
         raise Failure(f"--report writes no picture: leave {', '.join(given)} out")
     scene, report = bpy.context.scene, package.report
@@ -163,6 +166,8 @@ def main() -> None:
     if arguments.report:
         write_report(arguments, package)
         return
+    if arguments.checkpoint:
+        scene.penumbra.checkpoint_folder = str(arguments.checkpoint.absolute())
     choose_format(scene, arguments, package)
     own_path = scene.render.frame_path  # by Blender's own rules
     frames = arguments.frames or [scene.frame_current if arguments.frame is None else arguments.frame]

@@ -10,7 +10,7 @@ from time import perf_counter
 
 import bpy
 
-from . import native, passes, properties, statistics
+from . import checkpoint, native, passes, properties, statistics
 from .export import ExportCancelled, ExportError, export_scene
 from .export.camera import frame_size, render_region
 from .notes import Notes
@@ -36,8 +36,8 @@ class PenumbraRenderEngine(bpy.types.RenderEngine):
             pass
         except (ExportError, ValueError, RuntimeError, OSError) as error:  # texts that name their object
             self.report({"ERROR"}, f"Penumbra: {error}")
-        except MemoryError:
-            self.report({"ERROR"}, "Penumbra: out of memory")
+        except MemoryError as error:
+            self.report({"ERROR"}, f"Penumbra: out of memory: {error}")
         except Exception as error:
             traceback.print_exc()
             self.report({"ERROR"}, f"Penumbra: internal failure: {type(error).__name__}: {error}")
@@ -60,7 +60,8 @@ class PenumbraRenderEngine(bpy.types.RenderEngine):
 
         self.update_stats("", "Building the ray tracing structure")
         names = [entry.name for entry in passes.wanted_by(view_layer)]
-        render = pn.Render(exported, properties.native_settings(scene, size, region, names))
+        settings = properties.native_settings(scene, size, region, names)
+        render = pn.Render(exported, settings | {"checkpoint": checkpoint.folder(scene, view_layer)})
         passes.add_to_result(self, view_layer)
         cancelled = self.collect(render, view_layer, seconds)
 

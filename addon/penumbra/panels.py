@@ -132,6 +132,8 @@ class PENUMBRA_RENDER_PT_performance(PropertiesPanel, bpy.types.Panel):
         row = column.row()
         row.active = render.threads_mode == "FIXED"
         row.prop(render, "threads")
+        column.prop(context.scene.penumbra, "memory_limit")
+        column.prop(context.scene.penumbra, "checkpoint_folder")
 
 
 class PENUMBRA_RENDER_PT_statistics(PropertiesPanel, bpy.types.Panel):

@@ -46,6 +46,9 @@ FILTERS = [
 ]
 
 
+NOT_FOR_THE_NATIVE_RENDER = ("statistics_file", "checkpoint_folder")
+
+
 class PenumbraSettings(bpy.types.PropertyGroup):
     """`scene.penumbra`. Names, defaults and meanings are a contract with scripts: see the README's table."""
 
@@ -118,6 +121,18 @@ class PenumbraSettings(bpy.types.PropertyGroup):
         " frame number",
         subtype="FILE_PATH", default="", options=compat.FILE_PATH_OPTIONS,
     )  # fmt: skip
+    checkpoint_folder: StringProperty(
+        name="Checkpoint",
+        description="Folder in which a final render keeps its finished tiles, none if empty. The same render started"
+        " again goes on from there; remove the folder when it is not needed any more",
+        subtype="DIR_PATH", default="", options=compat.FILE_PATH_OPTIONS,
+    )  # fmt: skip
+    memory_limit: IntProperty(
+        name="Memory Limit",
+        description="Most memory for the picture and the ray tracing structure, in MiB: needing more is an"
+        " error. 0: no limit",
+        default=0, min=0, max=2**31 - 1, soft_max=2**17,
+    )  # fmt: skip
 
 
 class PenumbraViewLayerSettings(bpy.types.PropertyGroup):
@@ -134,7 +149,7 @@ class PenumbraViewLayerSettings(bpy.types.PropertyGroup):
 def native_settings(scene, size: tuple[int, int], region: tuple[int, int, int, int], passes: list[str]) -> dict:
     """The settings of the native render; `size` (width, height) of the full frame, `region` (x, y, w, h), in pixels."""
     own = scene.penumbra
-    names = [name for name in PenumbraSettings.__annotations__ if name != "statistics_file"]
+    names = [name for name in PenumbraSettings.__annotations__ if name not in NOT_FOR_THE_NATIVE_RENDER]
     return {name: getattr(own, name) for name in names} | {
         "width": size[0],
         "height": size[1],

@@ -41,7 +41,9 @@ RenderSettings read_settings(const py::dict& given) {
                                               "error_tolerance",
                                               "exposure",
                                               "threads",
-                                              "passes"};
+                                              "passes",
+                                              "memory_limit",
+                                              "checkpoint"};
   for (const auto& item : given) {
     const auto name = py::str(item.first).cast<std::string>();
     if (std::find(known.begin(), known.end(), name) == known.end())
@@ -71,6 +73,9 @@ RenderSettings read_settings(const py::dict& given) {
   s.error_tolerance = setting(given, "error_tolerance", s.error_tolerance);
   s.exposure = setting(given, "exposure", s.exposure);
   s.threads = setting(given, "threads", s.threads);
+  s.memory_limit = setting(given, "memory_limit", s.memory_limit);
+  s.checkpoint = setting(given, "checkpoint", s.checkpoint);
+  s.build = std::string(kVersion) + " (" + PENUMBRA_BUILD + ", " + vector_isa() + ")";
   s.passes = setting(given, "passes", s.passes);
   if (std::find(s.passes.begin(), s.passes.end(), "Combined") == s.passes.end())
     s.passes.emplace_back("Combined");
@@ -85,7 +90,7 @@ class PythonRender {
     scene.scene->camera();  // refuses a scene without one before the long part
     {
       const py::gil_scoped_release release;
-      scene.build();
+      scene.build(uint64_t(read.memory_limit) << 20);
       renderer_ =
           std::make_unique<Renderer>(std::make_shared<const Scene>(*scene.scene), scene.geometry, read);
     }
@@ -123,7 +128,7 @@ class PythonRender {
     const RenderTally& t = s.tally;
     char hash[17];
     std::snprintf(hash, sizeof(hash), "%016llx", static_cast<unsigned long long>(scene_hash_));
-    std::vector<std::string> warnings;
+    std::vector<std::string> warnings = geometry_->notes();
     if (t.non_finite_pixels)
       warnings.push_back(std::to_string(t.non_finite_pixels) +
                          " pixels were not finite and are black, the first is " + t.first_non_finite);

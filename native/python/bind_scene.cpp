@@ -82,10 +82,11 @@ void set_camera(PythonScene& self, const std::string& kind, const py::array& wor
 
 }  // namespace
 
-void PythonScene::build() {
+void PythonScene::build(uint64_t memory_limit) {
   if (geometry) return;
   const auto begin = std::chrono::steady_clock::now();
-  geometry = std::make_shared<Geometry>(scene->release_meshes(), scene->release_instances());
+  auto [meshes, instances] = scene->release_geometry();
+  geometry = std::make_shared<Geometry>(std::move(meshes), std::move(instances), memory_limit);
   build_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 

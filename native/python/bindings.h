@@ -20,7 +20,8 @@ struct PythonScene {
   std::shared_ptr<const Geometry> geometry;
   double build_seconds = 0;
 
-  void build();
+  /// memory_limit: bytes, 0: none.
+  void build(uint64_t memory_limit);
 };
 
 /// Each throws ValueError that gives the setting's name, the value and what is allowed.

@@ -140,6 +140,30 @@ void BlockRenderer::write() {
 
 }  // namespace
 
+RenderTally::RenderTally(const Counts& c, std::string first_non_finite_pixel)
+    : light{c[0], c[1], c[2], c[3]},
+      primary_rays(c[4]),
+      mirror_rays(c[5]),
+      pixels_at_limit(c[6]),
+      non_finite_pixels(c[7]),
+      first_non_finite(std::move(first_non_finite_pixel)) {}
+
+RenderTally::Counts RenderTally::counts() const {
+  return {light.light_points,        light.shadow_rays, light.shadow_rays_beyond_stop,
+          light.decided_without_ray, primary_rays,      mirror_rays,
+          pixels_at_limit,           non_finite_pixels};
+}
+
+RenderTally& RenderTally::operator+=(const RenderTally& o) {
+  light += o.light;
+  primary_rays += o.primary_rays;
+  mirror_rays += o.mirror_rays;
+  pixels_at_limit += o.pixels_at_limit;
+  non_finite_pixels += o.non_finite_pixels;
+  if (first_non_finite.empty()) first_non_finite = o.first_non_finite;
+  return *this;
+}
+
 Rectangle with_halo(const Rectangle& core, uint32_t halo, const RenderSettings& settings) {
   Rectangle area;
   area.x = core.x - std::min(core.x, halo);

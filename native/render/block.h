@@ -2,6 +2,7 @@
 // Where a sample becomes a pixel: a block of the frame from camera rays to the film.
 #pragma once
 
+#include <array>
 #include <string>
 
 #include "lighting/lighting.h"
@@ -32,6 +33,13 @@ struct RenderTally {
   uint64_t primary_rays = 0, mirror_rays = 0;
   uint64_t pixels_at_limit = 0, non_finite_pixels = 0;
   std::string first_non_finite;  // which pixel, and the object seen there
+
+  /// All numbers in a fixed order, for a checkpoint.
+  using Counts = std::array<uint64_t, 8>;
+  RenderTally() = default;
+  RenderTally(const Counts& counts, std::string first_non_finite_pixel);
+  Counts counts() const;
+  RenderTally& operator+=(const RenderTally& o);
 };
 
 /// `core` with a halo, clipped to the frame; and the block that they make.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "render/film.h"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -26,6 +27,12 @@ Film::Film(const Rectangle& region, const std::vector<std::string>& passes) : re
   error_estimate_ = find("Error Estimate");
 }
 
+uint64_t Film::bytes(const Rectangle& region, const std::vector<std::string>& passes) {
+  uint64_t channels = pass_channels("Error Estimate");
+  for (const std::string& name : passes) channels += pass_channels(name);
+  return uint64_t(region.width) * region.height * channels * sizeof(float);
+}
+
 std::vector<float>* Film::find(const std::string& name) {
   const auto found = passes_.find(name);
   return found == passes_.end() ? nullptr : &found->second;
@@ -35,6 +42,30 @@ const std::vector<float>& Film::pass(const std::string& name) const {
   const auto found = passes_.find(name);
   if (found == passes_.end()) throw std::invalid_argument("the pass '" + name + "' was not rendered");
   return found->second;
+}
+
+template <typename Passes, typename Visit>
+void Film::for_each_row(Passes& passes, const Rectangle& area, const Visit& visit) const {
+  for (auto& [name, values] : passes) {
+    const size_t channels = pass_channels(name);
+    for (uint32_t y = area.y - region_.y; y < area.y - region_.y + area.height; ++y)
+      visit(values.data() + (size_t(y) * region_.width + (area.x - region_.x)) * channels,
+            area.width * channels);
+  }
+}
+
+std::vector<float> Film::copy(const Rectangle& area) const {
+  std::vector<float> values;
+  for_each_row(passes_, area, [&](const float* row, size_t n) { values.insert(values.end(), row, row + n); });
+  return values;
+}
+
+void Film::paste(const Rectangle& area, const std::vector<float>& values) {
+  auto next = values.begin();
+  for_each_row(passes_, area, [&](float* row, size_t n) {
+    std::copy(next, next + std::ptrdiff_t(n), row);
+    next += std::ptrdiff_t(n);
+  });
 }
 
 bool Film::write(uint32_t x, uint32_t y, const PixelValues& values) {

@@ -31,6 +31,9 @@ class Film {
   /// The error estimate is always kept: statistics are made of it.
   Film(const Rectangle& region, const std::vector<std::string>& passes);
 
+  /// What such a film takes.
+  static uint64_t bytes(const Rectangle& region, const std::vector<std::string>& passes);
+
   /// x, y: full-frame pixel inside the region. Threads may write different pixels at the same time. A value
   /// that is not finite is written as zero; returns whether there was one.
   bool write(uint32_t x, uint32_t y, const PixelValues& values);
@@ -40,8 +43,15 @@ class Film {
   /// Width x height x channels values. Throws std::invalid_argument for a pass that was not asked for.
   const std::vector<float>& pass(const std::string& name) const;
 
+  /// Every pass of some pixels (full frame, inside the region) one after the other; and back again.
+  std::vector<float> copy(const Rectangle& area) const;
+  void paste(const Rectangle& area, const std::vector<float>& values);
+
  private:
   std::vector<float>* find(const std::string& name);
+  /// Calls visit(first float, number of floats) for each row of the area in each pass.
+  template <typename Passes, typename Visit>
+  void for_each_row(Passes& passes, const Rectangle& area, const Visit& visit) const;
 
   Rectangle region_;
   std::map<std::string, std::vector<float>> passes_;

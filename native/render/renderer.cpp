@@ -4,7 +4,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <numeric>
+#include <stdexcept>
+#include <system_error>
 #include <utility>
 
 #include "lighting/bounded_light.h"
@@ -22,6 +25,16 @@ double now() {
 /// Places inside pixels: their own Owen-scrambled sequence for each pixel.
 SamplerSettings pixel_sampler_settings(const RenderSettings& settings) {
   return {SamplerKind::kOwenSobol, SampleReuse::kScrambled, settings.seed, settings.pixel_samples, true};
+}
+
+/// Valid settings whose film fits into the memory limit.
+RenderSettings affordable(const RenderSettings& given) {
+  RenderSettings settings = given.validated();
+  const uint64_t limit = uint64_t(settings.memory_limit) << 20,
+                 bytes = Film::bytes(settings.region, settings.passes);
+  if (limit > 0 && bytes > limit)
+    throw MemoryLimitReached(limit, "the picture alone needs " + std::to_string((bytes >> 20) + 1) + " MiB");
+  return settings;
 }
 
 std::vector<Luminaire> emitting_luminaires(const Scene& scene, const Normalization& normalization) {
@@ -50,7 +63,7 @@ Renderer::Renderer(std::shared_ptr<const Scene> scene, std::shared_ptr<const Geo
                    const RenderSettings& settings)
     : scene_(std::move(scene)),
       geometry_(std::move(geometry)),
-      settings_(settings.validated()),
+      settings_(affordable(settings)),
       film_(settings_.region, settings_.passes),
       light_sampler_(make_sampler(settings_.sampler_settings())),
       pixel_sampler_(make_sampler(pixel_sampler_settings(settings_))),
@@ -61,6 +74,7 @@ Renderer::Renderer(std::shared_ptr<const Scene> scene, std::shared_ptr<const Geo
       luminaires_(emitting_luminaires(*scene_, geometry_->normalization())),
       lighting_(make_lighting(*geometry_, luminaires_, *light_sampler_, settings_)) {
   make_buckets();
+  restore_buckets();
 }
 
 Renderer::~Renderer() {
@@ -85,41 +99,71 @@ void Renderer::make_buckets() {
                      top_end = down(y1 + align - 1);
       for (uint32_t by = bottom; by < top_end; by = by / side * side + side)
         for (uint32_t bx = left; bx < right_end; bx = bx / side * side + side) {
-          work_.emplace_back(uint32_t(buckets_.size()), uint32_t(bucket->blocks.size()));
           bucket->blocks.push_back({bx, by, std::min(bx / side * side + side, right_end) - bx,
                                     std::min(by / side * side + side, top_end) - by});
         }
-      bucket->blocks_left = uint32_t(bucket->blocks.size());
+      bucket->blocks_left = bucket->blocks.size();
       buckets_.push_back(std::move(bucket));
     }
   }
 }
 
-void Renderer::start() {
-  if (!threads_.empty()) return;
-  uint32_t count = settings_.threads ? settings_.threads : std::max(1u, std::thread::hardware_concurrency());
-  count = uint32_t(std::min<size_t>(count, work_.size()));
-  tallies_.resize(count);
-  working_ = count;
-  const double begin = now();
-  for (uint32_t i = 0; i < count; ++i) {
-    threads_.emplace_back([this, i, begin] {
-      try {
-        flush_denormals();
-        work(tallies_[i]);
-      } catch (...) {
-        cancelled_ = true;
-        const std::lock_guard lock(mutex_);
-        if (!failure_) failure_ = std::current_exception();
-      }
-      const std::lock_guard lock(mutex_);
-      if (--working_ == 0) statistics_.seconds = now() - begin;
-      changed_.notify_all();
-    });
+/// What a checkpoint holds counts as finished; all other blocks are work to do.
+void Renderer::restore_buckets() {
+  if (!settings_.checkpoint.empty()) {
+    char hash[17];
+    std::snprintf(hash, sizeof(hash), "%016llx", static_cast<unsigned long long>(scene_->hash()));
+    checkpoint_ = std::make_unique<Checkpoint>(
+        settings_.checkpoint,
+        Checkpoint::Identity{
+            {"version", settings_.build}, {"scene", hash}, {"set of settings", settings_.description()}});
+  }
+  for (size_t i = 0; i < buckets_.size(); ++i) {
+    Bucket& bucket = *buckets_[i];
+    if (checkpoint_ && checkpoint_->load(bucket.area, film_, bucket.tally)) {
+      blocks_done_ += bucket.blocks_left;
+      bucket.blocks_left = 0;
+      report(bucket);
+    } else {
+      for (size_t b = 0; b < bucket.blocks.size(); ++b) work_.emplace_back(uint32_t(i), uint32_t(b));
+    }
+    block_count_ += bucket.blocks.size();
   }
 }
 
-void Renderer::work(RenderTally& tally) {
+void Renderer::start() {
+  const std::lock_guard lock(mutex_);
+  if (started_) return;
+  uint32_t count = settings_.threads ? settings_.threads : std::max(1u, std::thread::hardware_concurrency());
+  count = uint32_t(std::min<size_t>(count, work_.size()));
+  const double begin = now();
+  for (uint32_t i = 0; i < count; ++i) {
+    try {
+      threads_.emplace_back([this, begin] { run_thread(begin); });
+      ++working_;
+    } catch (const std::system_error&) {  // the system has no thread left: go on with those there are
+      if (threads_.empty()) throw;
+      break;
+    }
+  }
+  started_ = true;
+}
+
+void Renderer::run_thread(double begin) {
+  try {
+    flush_denormals();
+    work();
+  } catch (...) {
+    cancelled_ = true;
+    const std::lock_guard lock(mutex_);
+    if (!failure_) failure_ = std::current_exception();
+  }
+  const std::lock_guard lock(mutex_);
+  if (--working_ == 0) statistics_.seconds = now() - begin;
+  changed_.notify_all();
+}
+
+void Renderer::work() {
   const RenderContext context{settings_,   *scene_,    *geometry_, camera_,         paths_,
                               luminaires_, *lighting_, filter_,    *pixel_sampler_, pixel_light_sampler_,
                               film_};
@@ -127,17 +171,39 @@ void Renderer::work(RenderTally& tally) {
     const size_t i = next_++;
     if (i >= work_.size()) return;
     Bucket& bucket = *buckets_[work_[i].first];
-    const auto render = settings_.filtered() ? render_filtered_block : render_block;
-    render(context, bucket.blocks[work_[i].second], tally);
-    ++blocks_done_;
-    if (--bucket.blocks_left == 0) {
-      const Rectangle& area = bucket.area;
-      const std::lock_guard lock(mutex_);
-      finished_.push_back(
-          {area.x - settings_.region.x, area.y - settings_.region.y, area.width, area.height});
-      changed_.notify_all();
+    const Rectangle& block = bucket.blocks[work_[i].second];
+    RenderTally tally;
+    try {
+      const auto render = settings_.filtered() ? render_filtered_block : render_block;
+      render(context, block, tally);
+    } catch (const std::bad_alloc&) {
+      throw;
+    } catch (const std::exception& error) {
+      throw std::runtime_error("in the block of pixels at " + std::to_string(block.x) + "," +
+                               std::to_string(block.y) + ": " + error.what());
     }
+    finish_block(bucket, tally);
   }
+}
+
+void Renderer::finish_block(Bucket& bucket, const RenderTally& tally) {
+  std::unique_lock lock(mutex_);
+  bucket.tally += tally;
+  ++blocks_done_;
+  if (--bucket.blocks_left > 0) return;
+  if (checkpoint_) {
+    lock.unlock();
+    checkpoint_->save(bucket.area, film_, bucket.tally);
+    lock.lock();
+  }
+  report(bucket);
+  changed_.notify_all();
+}
+
+/// Tells whoever waits of a finished bucket, relative to the region.
+void Renderer::report(const Bucket& bucket) {
+  const Rectangle& area = bucket.area;
+  finished_.push_back({area.x - settings_.region.x, area.y - settings_.region.y, area.width, area.height});
 }
 
 std::vector<Rectangle> Renderer::wait(double seconds) {
@@ -150,11 +216,11 @@ std::vector<Rectangle> Renderer::wait(double seconds) {
 
 bool Renderer::done() const {
   const std::lock_guard lock(mutex_);
-  return working_ == 0 && finished_.empty();
+  return started_ && working_ == 0 && finished_.empty();
 }
 
 double Renderer::progress() const {
-  return work_.empty() ? 1.0 : double(blocks_done_) / double(work_.size());
+  return double(blocks_done_) / double(block_count_);
 }
 
 void Renderer::finish() {
@@ -166,14 +232,7 @@ void Renderer::finish() {
 
 void Renderer::summarize() {
   RenderTally sum;
-  for (const RenderTally& tally : tallies_) {
-    sum.light += tally.light;
-    sum.primary_rays += tally.primary_rays;
-    sum.mirror_rays += tally.mirror_rays;
-    sum.pixels_at_limit += tally.pixels_at_limit;
-    sum.non_finite_pixels += tally.non_finite_pixels;
-    if (sum.first_non_finite.empty()) sum.first_non_finite = tally.first_non_finite;
-  }
+  for (const auto& bucket : buckets_) sum += bucket->tally;
   std::vector<float> errors = film_.pass("Error Estimate");
   statistics_.error_mean = std::accumulate(errors.begin(), errors.end(), 0.0) / double(errors.size());
   const auto p99 = errors.begin() + std::ptrdiff_t((errors.size() - 1) * 99 / 100);

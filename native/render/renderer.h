@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "render/block.h"
+#include "render/checkpoint.h"
 
 namespace penumbra {
 
@@ -25,16 +26,18 @@ class Renderer {
   /// Side in pixels of a bucket, the unit in which finished pixels are reported; a multiple of kTile.
   static constexpr uint32_t kBucket = 64;
 
-  /// Throws std::invalid_argument for settings that are out of range or do not fit together. The scene must
-  /// not be changed before the render ends.
+  /// Throws std::invalid_argument for settings that are out of range or do not fit together, or for another
+  /// render's checkpoint; std::bad_alloc where memory_limit is too small for the film. The scene must not be
+  /// changed before the render ends.
   Renderer(std::shared_ptr<const Scene> scene, std::shared_ptr<const Geometry> geometry,
            const RenderSettings& settings);
   ~Renderer();
 
+  /// Starts the threads; does nothing the second time.
   void start();
   /// Buckets finished since the last call, relative to the region; waits for the first at most so long.
   std::vector<Rectangle> wait(double seconds);
-  /// Every bucket was reported, or the render was cancelled or failed and its threads are idle.
+  /// It was started, and every bucket was reported, or it was cancelled or failed and its threads are idle.
   bool done() const;
   double progress() const;
   void cancel() { cancelled_ = true; }
@@ -50,11 +53,16 @@ class Renderer {
   struct Bucket {
     Rectangle area;                 // full frame, clipped to the region
     std::vector<Rectangle> blocks;  // full frame, whole tiles
-    std::atomic<uint32_t> blocks_left{0};
+    size_t blocks_left = 0;         // guarded by mutex_, as is the tally
+    RenderTally tally;
   };
 
   void make_buckets();
-  void work(RenderTally& tally);
+  void restore_buckets();
+  void run_thread(double begin);
+  void work();
+  void finish_block(Bucket& bucket, const RenderTally& tally);
+  void report(const Bucket& bucket);
   void summarize();
 
   std::shared_ptr<const Scene> scene_;
@@ -69,19 +77,21 @@ class Renderer {
   std::vector<Luminaire> luminaires_;  // those that emit
   std::unique_ptr<Lighting> lighting_;
 
+  std::unique_ptr<Checkpoint> checkpoint_;
   std::vector<std::unique_ptr<Bucket>> buckets_;
   std::vector<std::pair<uint32_t, uint32_t>> work_;  // bucket, block of it
+  size_t block_count_ = 0;                           // those of finished buckets included
   std::atomic<size_t> next_{0}, blocks_done_{0};
   std::atomic<bool> cancelled_{false};
-  std::atomic<uint32_t> working_{0};
 
   mutable std::mutex mutex_;
+  uint32_t working_ = 0;  // threads; guarded by mutex_, as all below up to the threads
+  bool started_ = false;
   std::condition_variable changed_;
   std::vector<Rectangle> finished_;
   std::exception_ptr failure_;
 
   std::vector<std::thread> threads_;
-  std::vector<RenderTally> tallies_;
   RenderStatistics statistics_;
 };
 

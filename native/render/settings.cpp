@@ -2,6 +2,8 @@
 #include "render/settings.h"
 
 #include <cmath>
+#include <set>
+#include <sstream>
 #include <stdexcept>
 
 #include "render/film.h"
@@ -66,6 +68,19 @@ RenderSettings RenderSettings::validated() const {
   for (const std::string& name : passes)
     require(pass_channels(name) > 0, "there is no pass named '" + name + "'");
   return s;
+}
+
+std::string RenderSettings::description() const {
+  std::ostringstream text;
+  text.precision(17);
+  text << width << " x " << height << ", region " << region.x << ' ' << region.y << ' ' << region.width << ' '
+       << region.height << ", rule " << int(stop_rule) << ' ' << error_tolerance << ' ' << light_samples
+       << ' ' << max_light_samples << ' ' << check_interval << ", sampler " << int(sampler) << ' '
+       << int(sample_reuse) << ' ' << seed << ", pixel " << pixel_samples << ' ' << max_pixel_samples << ' '
+       << int(filter_type) << ' ' << filter_width << ", mirrors " << mirror_depth << ", exposure " << exposure
+       << ", passes";
+  for (const std::string& name : std::set<std::string>(passes.begin(), passes.end())) text << ' ' << name;
+  return text.str();
 }
 
 StopSettings RenderSettings::stop_settings() const {

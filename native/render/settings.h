@@ -37,6 +37,9 @@ struct RenderSettings {
   double exposure = 0;             // stops: display = radiance x 2^exposure
   uint32_t threads = 0;            // 0: one for each processor
   std::vector<std::string> passes{"Combined"};
+  uint32_t memory_limit = 0;  // MiB for the film and the ray tracing structure; 0: none
+  std::string checkpoint;     // folder of finished buckets to go on from; none if empty
+  std::string build;          // of the program: a checkpoint belongs to one
 
   /// Checks every setting and each combination; throws std::invalid_argument naming the settings. Returns a
   /// copy with the region filled in.
@@ -44,6 +47,9 @@ struct RenderSettings {
 
   /// BOUNDED with antialiasing: pixel_samples above 1 only turns it on.
   bool filtered() const { return stop_rule == StopRuleKind::kBounded && pixel_samples > 1; }
+
+  /// Everything that a pixel depends on, as text.
+  std::string description() const;
 
   StopSettings stop_settings() const;
   SamplerSettings sampler_settings() const;

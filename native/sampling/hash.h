@@ -2,7 +2,10 @@
 // Counter-based hashing: what makes a sample depend on (pixel, seed, luminaire, index) alone.
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
+#include <cstring>
 
 namespace penumbra {
 
@@ -21,6 +24,18 @@ constexpr uint64_t hash_of(uint64_t first, T... rest) {
   uint64_t h = mix_bits(first + 0x9E3779B97F4A7C15u);
   ((h = mix_bits(h ^ (uint64_t(rest) + 0x9E3779B97F4A7C15u))), ...);
   return h;
+}
+
+/// Hash of memory that continues h, eight bytes at a time; the rest padded with zeros.
+inline uint64_t hash_bytes(uint64_t h, const void* data, size_t size) {
+  const auto* bytes = static_cast<const unsigned char*>(data);
+  for (size_t i = 0; i < size; i += 8) {
+    uint64_t word = 0;
+    std::memcpy(&word, bytes + i, std::min<size_t>(8, size - i));
+    h = (h ^ word) * 0x9E3779B97F4A7C15u;
+    h ^= h >> 32;
+  }
+  return mix_bits(h ^ size);
 }
 
 constexpr uint32_t reverse_bits(uint32_t x) {

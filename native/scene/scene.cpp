@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/scene.h"
 
-#include <cstring>
 #include <stdexcept>
 
 #include "sampling/hash.h"
@@ -15,18 +14,6 @@ namespace {
 
 bool is_albedo(const Vec3d& a) {
   return is_finite(a) && std::min({a.x, a.y, a.z}) >= 0 && max_component(a) <= 1;
-}
-
-/// Eight bytes at a time; the rest padded with zeros.
-uint64_t hash_bytes(uint64_t h, const void* data, size_t size) {
-  const auto* bytes = static_cast<const unsigned char*>(data);
-  for (size_t i = 0; i < size; i += 8) {
-    uint64_t word = 0;
-    std::memcpy(&word, bytes + i, std::min<size_t>(8, size - i));
-    h = (h ^ word) * 0x9E3779B97F4A7C15u;
-    h ^= h >> 32;
-  }
-  return mix_bits(h ^ size);
 }
 
 template <typename T>
@@ -154,14 +141,11 @@ const Camera& Scene::camera() const {
   return camera_;
 }
 
-std::vector<Mesh> Scene::release_meshes() {
+std::pair<std::vector<Mesh>, std::vector<Instance>> Scene::release_geometry() {
+  if (frozen_)
+    refuse("scene", "building its ray tracing structure failed before, and it can't be built again");
   frozen_ = true;
-  return std::move(meshes_);
-}
-
-std::vector<Instance> Scene::release_instances() {
-  frozen_ = true;
-  return std::move(instances_);
+  return {std::move(meshes_), std::move(instances_)};
 }
 
 }  // namespace penumbra

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "math/transform.h"
@@ -61,10 +62,9 @@ class Scene {
   void set_camera(const Camera& camera);
   void set_background(const Background& background);
 
-  /// Hands meshes and instances over to whoever builds the acceleration structure. From then on none can be
-  /// added; everything else can still change.
-  std::vector<Mesh> release_meshes();
-  std::vector<Instance> release_instances();
+  /// Hands meshes and instances over, once, to whoever builds the acceleration structure. From then on none
+  /// can be added; everything else can still change. A second call throws std::invalid_argument.
+  std::pair<std::vector<Mesh>, std::vector<Instance>> release_geometry();
 
   /// Hash of everything that was added, in its order.
   uint64_t hash() const { return hash_; }

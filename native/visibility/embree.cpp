@@ -67,6 +67,13 @@ void check_errors(RTCDevice device, const std::string& what) {
   throw std::runtime_error("Embree, " + what + ": " + error_text(error));
 }
 
+void count_memory(RTCDevice device, MemoryCount& count) {
+  rtcSetDeviceMemoryMonitorFunction(
+      device,
+      [](void* counter, ssize_t bytes, bool) { return static_cast<MemoryCount*>(counter)->add(bytes); },
+      &count);
+}
+
 std::string version() {
   const Device device = make_device();
   const auto number = rtcGetDeviceProperty(device.get(), RTC_DEVICE_PROPERTY_VERSION);

@@ -12,6 +12,8 @@
 #include <string>
 #include <type_traits>
 
+#include "scene/memory_limit.h"
+
 namespace penumbra::embree {
 
 struct Release {
@@ -24,6 +26,9 @@ using SceneHandle = std::unique_ptr<std::remove_pointer_t<RTCScene>, Release>;
 /// A device that throws std::runtime_error (or std::bad_alloc) at check_errors() after anything went wrong.
 Device make_device();
 void check_errors(RTCDevice device, const std::string& what);
+
+/// Embree counts its memory there, and fails where the count refuses it. The count must outlive the device.
+void count_memory(RTCDevice device, MemoryCount& count);
 
 /// Throws std::runtime_error with a sentence if the Embree in this process is not the one this module was
 /// built for, or does not find a ray's hit: another copy loaded first may answer our calls in silence.

@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "scene/memory_limit.h"
 #include "scene/normalization.h"
 #include "scene/scene.h"
 #include "scene/surface_point.h"
@@ -29,9 +30,10 @@ struct Hit {
 /// What a scene's triangles are to rays. Immutable, so that threads and renders can share it.
 class Geometry {
  public:
-  /// Builds the BVH. Throws std::runtime_error or std::bad_alloc where Embree fails, and
-  /// std::invalid_argument naming an instance whose transform carries it beyond single precision.
-  Geometry(std::vector<Mesh> meshes, std::vector<Instance> instances);
+  /// Builds the BVH. Throws std::runtime_error or std::bad_alloc where Embree fails, MemoryLimitReached where
+  /// it wants more bytes than the limit (0: none), and std::invalid_argument for a scene beyond double
+  /// precision.
+  Geometry(std::vector<Mesh> meshes, std::vector<Instance> instances, uint64_t memory_limit = 0);
 
   const Normalization& normalization() const { return normalization_; }
   RTCScene embree_scene() const { return scene_.get(); }
@@ -48,6 +50,8 @@ class Geometry {
   uint64_t triangles() const { return triangle_count_; }
   uint64_t instances() const { return instances_.size(); }
   uint64_t meshes() const { return meshes_.size(); }
+  /// What of the scene was left out, in sentences that name the first object.
+  const std::vector<std::string>& notes() const { return notes_; }
   const std::string& name_of(const Hit& hit) const { return instances_[hit.instance].name; }
 
  private:
@@ -70,17 +74,20 @@ class Geometry {
     std::vector<uint32_t> materials;
   };
 
-  void build(std::vector<Mesh> meshes, std::vector<Instance> instances);
+  void clean(std::vector<Mesh>& meshes, const std::vector<Instance>& instances);
+  void check_build(const std::string& what) const;
   RTCGeometry make_triangles(const PlacedMesh& mesh) const;
 
   Normalization normalization_;
-  Box bounds_;  // render space
+  Box bounds_;          // render space
+  MemoryCount memory_;  // outlives the device, which reports to it
   embree::Device device_;
   std::vector<PlacedMesh> meshes_;
   std::vector<PlacedInstance> instances_;
   embree::SceneHandle scene_;
   bool has_shared_meshes_ = false;
   uint64_t triangle_count_ = 0;
+  std::vector<std::string> notes_;
 };
 
 }  // namespace penumbra

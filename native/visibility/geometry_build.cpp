@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "visibility/geometry.h"
+#include "visibility/useless_triangles.h"
 
 namespace penumbra {
 namespace {
@@ -37,10 +38,31 @@ std::vector<Vec3f> rounded(const std::vector<Vec3d>& positions, const Affine& tr
   return result;
 }
 
+/// Something left out in several places: how often, and where first.
+struct LeftOut {
+  size_t count = 0, places = 0;
+  std::string first;
+
+  void add(size_t n, const std::string& name) {
+    if (n == 0) return;
+    if (places++ == 0) first = name;
+    count += n;
+  }
+  /// "COUNT WHAT were left out, of NAME [and N others]".
+  void tell(const std::string& what, std::vector<std::string>& notes) const {
+    if (count == 0) return;
+    std::string text = std::to_string(count) + " " + what + " left out: '" + first + "'";
+    if (places > 1) text += " and " + std::to_string(places - 1) + " more";
+    notes.push_back(std::move(text));
+  }
+};
+
 }  // namespace
 
-Geometry::Geometry(std::vector<Mesh> meshes, std::vector<Instance> instances)
-    : device_(embree::make_device()) {
+Geometry::Geometry(std::vector<Mesh> meshes, std::vector<Instance> instances, uint64_t memory_limit)
+    : memory_(memory_limit), device_(embree::make_device()) {
+  embree::count_memory(device_.get(), memory_);
+  clean(meshes, instances);
   std::vector<uint32_t> users(meshes.size(), 0);
   std::vector<Box> mesh_boxes(meshes.size());
   for (const Instance& instance : instances) ++users[instance.mesh];
@@ -72,7 +94,7 @@ Geometry::Geometry(std::vector<Mesh> meshes, std::vector<Instance> instances)
     rtcAttachGeometry(placed.scene.get(), geometry);
     rtcReleaseGeometry(geometry);
     rtcCommitScene(placed.scene.get());
-    embree::check_errors(device_.get(), meshes[i].name);
+    check_build(meshes[i].name);
     has_shared_meshes_ = true;
   }
 
@@ -113,7 +135,7 @@ Geometry::Geometry(std::vector<Mesh> meshes, std::vector<Instance> instances)
       rtcCommitGeometry(geometry);
       rtcAttachGeometryByID(scene_.get(), geometry, id);
       rtcReleaseGeometry(geometry);
-      embree::check_errors(device_.get(), placed.name);
+      check_build(placed.name);
       bounds_.include(transformed(box, placed.render_from_object));
       triangle_count_ += mesh.triangles.size();
     }
@@ -122,7 +144,32 @@ Geometry::Geometry(std::vector<Mesh> meshes, std::vector<Instance> instances)
   meshes.clear();  // the positions in double are not needed while Embree builds
   meshes.shrink_to_fit();
   rtcCommitScene(scene_.get());
-  embree::check_errors(device_.get(), "building the scene");
+  check_build("the whole scene");
+}
+
+/// Takes out what no ray needs, and notes it.
+void Geometry::clean(std::vector<Mesh>& meshes, const std::vector<Instance>& instances) {
+  LeftOut without_area, copies, flat;
+  std::vector<bool> used(meshes.size(), false);
+  for (const Instance& instance : instances) {
+    used[instance.mesh] = true;
+    flat.add(instance.world_from_object.determinant() == 0, instance.name);
+  }
+  for (size_t i = 0; i < meshes.size(); ++i) {
+    if (!used[i]) continue;
+    const UselessTriangles found = remove_useless_triangles(meshes[i]);
+    without_area.add(found.without_area, meshes[i].name);
+    copies.add(found.copies, meshes[i].name);
+  }
+  without_area.tell("triangles without area were", notes_);
+  copies.tell("triangles that are copies of others were", notes_);
+  flat.tell("objects whose scale is zero in some direction were", notes_);
+}
+
+void Geometry::check_build(const std::string& what) const {
+  if (memory_.exceeded())
+    throw MemoryLimitReached(memory_.limit(), "building the ray tracing structure of " + what);
+  embree::check_errors(device_.get(), what);
 }
 
 RTCGeometry Geometry::make_triangles(const PlacedMesh& mesh) const {

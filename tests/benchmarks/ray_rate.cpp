@@ -118,8 +118,8 @@ double median(std::vector<double> values) {
 
 void measure(const NamedScene& named, uint32_t width, int rounds, bool csv) {
   auto scene = std::make_shared<Scene>(named.make());
-  auto meshes = scene->release_meshes();
-  const auto geometry = std::make_shared<Geometry>(std::move(meshes), scene->release_instances());
+  auto [meshes, instances] = scene->release_geometry();
+  const auto geometry = std::make_shared<Geometry>(std::move(meshes), std::move(instances));
   const RenderSettings settings = settings_of(width);
   const std::vector<PixelRays> rays = collect_rays(*scene, *geometry, settings);
 
