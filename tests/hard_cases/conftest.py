@@ -4,5 +4,8 @@
 import sys
 from pathlib import Path
 
-TESTS = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(TESTS / "hard_cases"), str(TESTS / "python"), str(TESTS.parent / "addon" / "penumbra")]
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+
+from processes import PATHS  # noqa: E402  (found through the line above)
+
+sys.path[:0] = PATHS

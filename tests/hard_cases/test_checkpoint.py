@@ -7,13 +7,12 @@ Oracle: the same render without a checkpoint and without interruption.
 import random
 import signal
 import subprocess
-import sys
-import textwrap
 import time
 
 import numpy as np
 import penumbra_native as pn
 import pytest
+from processes import command, run_code
 from scenes import ALL_PASSES, add, lit_floor, sphere
 
 SIZE = {"width": 200, "height": 130, "passes": ALL_PASSES, "threads": 2}
@@ -86,22 +85,17 @@ def test_a_finished_render_traces_nothing_again(tmp_path):
     assert job.statistics()["seconds"]["render"] == 0
 
 
-VICTIM = """
-    import sys
-    sys.path[:0] = {paths!r}
-    import test_checkpoint as t
-    t.run({folder!r}, **t.RULES[{rule!r}])
-"""
+VICTIM = "import test_checkpoint as t\nt.run({folder!r}, **t.RULES[{rule!r}])"
 
 
 @pytest.mark.parametrize("rule", ["fixed", "antialiased"])
 def test_kill_9_at_random_moments(tmp_path, rule):
     """Again and again, up to 50 ms after the first new bucket, until it gets through."""
     moments = random.Random(8)
-    script = textwrap.dedent(VICTIM).format(paths=sys.path[:4], folder=str(tmp_path), rule=rule)
+    victim = command(VICTIM.format(folder=str(tmp_path), rule=rule))
     seen, kills = {}, 0
     for _ in range(BUCKETS + 1):
-        process = subprocess.Popen([sys.executable, "-c", script], stderr=subprocess.PIPE)
+        process = subprocess.Popen(victim, stderr=subprocess.PIPE)
         while process.poll() is None and len(list(tmp_path.glob("bucket_*.bin"))) <= len(seen):
             time.sleep(1e-3)
         time.sleep(moments.uniform(0, 0.05))
@@ -170,13 +164,10 @@ def test_folders_that_do_not_fit(tmp_path):
 
 def test_a_full_disk_is_an_error(tmp_path):
     """Files may not grow beyond 8 KiB: a bucket of 64 x 64 pixels needs more."""
-    script = textwrap.dedent(
-        """
-        import resource, signal
-        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-        resource.setrlimit(resource.RLIMIT_FSIZE, (8192, 8192))
-        """
-    ) + textwrap.dedent(VICTIM).format(paths=sys.path[:4], folder=str(tmp_path), rule="fixed")
-    process = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
+    process = run_code(
+        "import resource, signal\n"
+        "signal.signal(signal.SIGXFSZ, signal.SIG_IGN)\n"
+        "resource.setrlimit(resource.RLIMIT_FSIZE, (8192, 8192))\n" + VICTIM.format(folder=str(tmp_path), rule="fixed")
+    )
     assert process.returncode == 1 and "RuntimeError: checkpoint: cannot write" in process.stderr
     assert not list(tmp_path.glob("bucket_*.bin"))

@@ -1,13 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The module's objects in every order of calls, and when memory runs out: an error, and never a wrong picture."""
 
-import subprocess
-import sys
-import textwrap
-
 import numpy as np
 import penumbra_native as pn
 import pytest
+from processes import run_code
 from scenes import add, floor, lit_floor, render
 
 SMALL = {"width": 8, "height": 8, "stop_rule": "FIXED"}
@@ -54,9 +51,7 @@ def test_a_scene_whose_build_failed_is_not_rendered_as_if_it_were_empty():
 
 def test_no_memory_at_all_is_an_error_too():
     """A mesh of 100 MiB in a process that may not grow by more than 64 MiB."""
-    script = textwrap.dedent(f"""
-        import sys
-        sys.path[:0] = {sys.path[:4]!r}
+    process = run_code("""
         import resource
         import numpy as np
         import penumbra_native as pn
@@ -73,7 +68,6 @@ def test_no_memory_at_all_is_an_error_too():
             print("refused:", error)
         print(render(scene, 8).red.min() > 0)
     """)
-    process = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
     assert process.returncode == 0, process.stderr
     assert process.stdout.startswith("refused: ") and process.stdout.endswith("True\n")
 
