@@ -36,7 +36,7 @@ class FilteredBlock {
   uint64_t frame_pixel(uint32_t p) const {
     return uint64_t(area_.y + p / block_.width) * c_.settings.width + area_.x + p % block_.width;
   }
-  std::span<Slot> slots(uint32_t p) { return {&slots_[size_t(p) * slot_count_], slot_count_}; }
+  std::span<Slot> slots(uint32_t p) { return {slots_.data() + size_t(p) * slot_count_, slot_count_}; }
   bool in_core(uint32_t p, int margin) const;
   void first_look();
   void trace(std::span<const uint32_t> pixels, uint32_t first, uint32_t count);
@@ -330,7 +330,7 @@ void FilteredBlock::advance(uint32_t p) {
 double FilteredBlock::standard_error(uint32_t p, std::span<const uint32_t> uncertain) const {
   const FilteredPixel& pixel = pixels_[p];
   const double n = pixel.count;
-  const std::span<const Slot> slot{&slots_[size_t(p) * slot_count_], slot_count_};
+  const std::span<const Slot> slot{slots_.data() + size_t(p) * slot_count_, slot_count_};
   const double prior = kSmoothed * kSmoothed * pixel.prior_variance(slot, display_scale_, kExponent);
   const int x = int(p % block_.width), y = int(p / block_.width);
   double sum = 0;
