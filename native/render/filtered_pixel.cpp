@@ -60,9 +60,14 @@ Vec3d FilteredPixel::unshadowed(std::span<const Slot> slots) const {
 }
 
 Vec3d FilteredPixel::fitted(std::span<const Slot> slots) const {
-  Vec3d sum = background_fitted;
-  for (const Slot& slot : slots) sum += slot.fitted_radiance();
-  return {std::max(sum.x, 0.0), std::max(sum.y, 0.0), std::max(sum.z, 0.0)};
+  // A plane may leave the side of zero that its samples are on; light that is taken away is below it.
+  const auto same_side = [](const Vec3d& plane, const Vec3d& samples) {
+    return Vec3d{plane.x * samples.x > 0 ? plane.x : 0, plane.y * samples.y > 0 ? plane.y : 0,
+                 plane.z * samples.z > 0 ? plane.z : 0};
+  };
+  Vec3d sum = same_side(background_fitted, background);
+  for (const Slot& slot : slots) sum += same_side(slot.fitted_radiance(), slot.now.unshadowed);
+  return sum;
 }
 
 double FilteredPixel::prior_variance(std::span<const Slot> slots, double display_scale,

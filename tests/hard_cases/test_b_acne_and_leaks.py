@@ -86,7 +86,7 @@ def hidden_share(*arguments, width=24, **options):
     "scale, offset", [(1e-6, 0), (1e-6, 1e-3), (1e-3, 10), (1, 0), (1, 1e3), (1, 1e6), (1, 1e7), (1e4, 1e7)]
 )
 @pytest.mark.parametrize("name", ["2 triangles", "20k triangles"])
-def test_open_floors_have_no_acne(name, scale, offset):
+def test_c31_floors_of_any_size_anywhere_have_no_acne(name, scale, offset):
     """Eight tilts by two luminaires; positions in float64 in the vertices and in the instance's matrix, in turn."""
     random = np.random.default_rng(1)
     for trial in range(8):
@@ -134,7 +134,7 @@ def test_uneven_instances_have_no_acne():
 
 @pytest.mark.parametrize("where", [0.0, 0.9])
 @pytest.mark.parametrize("size", [1e-2, 1e-4, 1e-6])
-def test_small_objects_in_large_scenes_have_no_acne(size, where):
+def test_c34_small_objects_in_large_scenes_have_no_acne(size, where):
     """A plate in the middle of a scene up to a million times as wide, and near its side."""
     random = np.random.default_rng(4)
     for _ in range(12):
@@ -154,7 +154,7 @@ def test_convex_bodies_do_not_shadow_their_lit_side(segments):
             assert hidden_share(pieces, placed(random, 1, 0), (translation(0, 0, 0.95), 0.3), half=0.7 * radius) == 0
 
 
-def test_coincident_faces_have_no_acne():
+def test_b26_coincident_faces_have_no_acne():
     """The same floor twice, in either winding and split otherwise: which one is hit first must not matter."""
     random = np.random.default_rng(6)
     one, two = FLOORS["2 triangles"], FLOORS["2 triangles"]
@@ -164,7 +164,7 @@ def test_coincident_faces_have_no_acne():
 
 
 @pytest.mark.parametrize("scale, offset", [(1e-6, 1e-3), (1, 1e7), (1e4, 0)])
-def test_tilted_floors_against_the_closed_form(scale, offset):
+def test_c31_tilted_floors_against_the_closed_form(scale, offset):
     """256 Owen-Sobol' points, luminaire at twice its size: relative error below 1e-3 everywhere (1e-4 standard
     error). Points of the tilted floor by hand, since float32 cannot say a Position at 1e7 m."""
     random = np.random.default_rng(7)
@@ -183,7 +183,7 @@ def test_tilted_floors_against_the_closed_form(scale, offset):
 
 @pytest.mark.parametrize("gap", [1e-2, 1e-3, 1e-4, 1e-5, 1e-6])
 @pytest.mark.parametrize("name", ["2 triangles", "20k triangles", "mixed"])
-def test_contact_shadows_do_not_leak(name, gap):
+def test_b25_contact_shadows_do_not_leak(name, gap):
     """A plate floating over a floor of the same shape at a distance of `gap` times the floor's width, seen from
     between: black, 8 tilts x 576 points x 64 rays."""
     random = np.random.default_rng(8)
@@ -216,10 +216,10 @@ def test_plates_just_below_the_luminaire_hide_it(gap):
         assert (picture.red == 0).all()
 
 
-def test_nothing_gets_out_of_a_closed_box():
-    """The luminaire in a box that stands on the floor, 8 tilts x 2304 points x 64 rays: 1.2 million, none through
-    an edge."""
-    random = np.random.default_rng(9)
+def test_b24_nothing_gets_out_of_a_closed_box():
+    """The luminaire in a box that stands on the floor, 8 tilts x 2304 points x 640 rays: more than 1e7, none through
+    an edge (Embree's own bar is one in 50,000)."""
+    random, rays = np.random.default_rng(9), 0
     for _ in range(8):
         matrix = placed(random, 1, 0)
         scene = pn.Scene()
@@ -227,13 +227,14 @@ def test_nothing_gets_out_of_a_closed_box():
         add(scene, "box", box([-0.2, -0.2, 0], [0.2, 0.2, 0.4]), matrix)
         scene.add_area_light("key", "RECTANGLE", matrix @ translation(0, 0, 0.3), (0.2, 0.2), (1, 1, 1))
         camera_above(scene, matrix, 0.98)
-        picture = render(scene, 48, **FIXED)
-        assert picture.statistics["shadow_rays"] > 1e5
+        picture = render(scene, 48, stop_rule="FIXED", light_samples=640)
+        rays += picture.statistics["shadow_rays"]
         assert (picture.red == 0).all()
+    assert rays > 1e7
 
 
 @pytest.mark.parametrize("overlap", [0.0, 1e-6])
-def test_nothing_gets_under_a_wall(overlap):
+def test_b23_nothing_gets_under_a_wall(overlap):
     """A wall on the floor, edge to plane or reaching 1e-6 through it; floor points from 1e-6 to 1e-4 behind its
     foot."""
     random = np.random.default_rng(10)
@@ -250,7 +251,7 @@ def test_nothing_gets_under_a_wall(overlap):
         assert (picture.red == 0).all()
 
 
-def test_a_small_object_in_a_huge_scene_keeps_its_shadow():
+def test_c34_a_small_object_in_a_huge_scene_keeps_its_shadow():
     """A plate 0.05 mm above a receiver of 1 mm, alone and in the middle of a scene 10 km wide: rays start off a
     surface in proportion to its own triangles, so both give the same picture. One point of 64 may fall otherwise: 2
     % of the pixels."""

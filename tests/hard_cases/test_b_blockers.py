@@ -24,7 +24,7 @@ def blocked_floor(*blockers, half=2.0, light=None, cast_shadow=True):
     return scene
 
 
-def test_half_covered_light_gives_half():
+def test_b21_half_covered_light_gives_half():
     """A half plane whose edge lies exactly over x = 0, under the middle of the luminaire: points of the floor at x
     = 0 see the half with x < 0. Pixels whose centre is at x = 0 need an odd width. An edge along the luminaire's
     axis is one Owen-Sobol' points resolve to 1/N of the points: 1e-3 with 4096."""
@@ -48,7 +48,7 @@ def visible_through(point, edges, height, light):
 
 
 @pytest.mark.parametrize("turn", [0, 30])
-def test_slit(turn):
+def test_b22_slit(turn):
     """A slit 0.25 wide, turned, in a plate half way up: Lambert's formula on what is left of the luminaire. Two
     edges cut the points: a standard error of 0.35 N^-0.75, 7e-4 of the unshadowed value with 4096 points; seven of
     them."""
@@ -75,7 +75,7 @@ BLOCKERS = {
 
 
 @pytest.mark.parametrize("name", BLOCKERS)
-def test_brute_force_with_the_same_points(name):
+def test_b27_brute_force_with_the_same_points(name):
     """The pixel's own light points through sample_points, every triangle in float64. A ray within float rounding of
     an edge may go either way: one of 64 points in at most 1 % of the pixels; all others to float rounding of the
     summands."""
@@ -106,7 +106,7 @@ def test_brute_force_with_the_same_points(name):
 
 
 @pytest.mark.parametrize("name", BLOCKERS)
-def test_brute_force_with_dense_points(name):
+def test_b27_brute_force_with_dense_points(name):
     """Its own 96 x 96 grid of points on the luminaire instead: what the picture should converge to. Standard error
     of 1024 Owen-Sobol' points with an edge: 0.5 x 1024^-0.75 = 3e-3 of the unshadowed value; the worst of 36
     pixels: 1e-2; the mean over the picture a tenth of that."""

@@ -26,7 +26,7 @@ def expect(picture, form_factor, tolerance):
 
 
 @pytest.mark.parametrize("seed", [0, 1])
-def test_hundred_floor_points_under_a_square(seed):
+def test_a01_hundred_floor_points_under_a_square(seed):
     """Relative error below 1e-5 at 100 points with 4096 Owen-Sobol' points each: five standard errors."""
     picture = render(lit_floor(RADIANCE), 10, stop_rule="FIXED", light_samples=4096, seed=seed)
     x, y = picture.position[..., 0], picture.position[..., 1]
@@ -47,7 +47,7 @@ LIGHTS = {
 
 
 @pytest.mark.parametrize("name", LIGHTS)
-def test_rectangles(name):
+def test_a18_rectangles_under_any_transform(name):
     """1024 points, luminaires up to 1.3 of their distance long: 3e-4."""
     matrix, size = LIGHTS[name]
     picture = render(lit_floor(RADIANCE, size, matrix), 8, stop_rule="FIXED", light_samples=1024)
@@ -58,19 +58,19 @@ def test_rectangles(name):
 @pytest.mark.parametrize(
     "size, matrix", [((1, 1), light_above()), ((1.5, 0.5), LIGHTS["tilted"][0]), ((1, 1), LIGHTS["sheared"][0])]
 )
-def test_ellipses(size, matrix):
+def test_a18_ellipses_under_any_transform(size, matrix):
     """The square is folded onto the disk, which leaves kinks: N^-1.25 or so. 4096 points: 3e-4."""
     picture = render(lit_floor(RADIANCE, size, matrix, "ELLIPSE"), 8, stop_rule="FIXED", light_samples=4096)
     corners = oracles.ellipse_corners(matrix, size, 2048)
     expect(picture, oracles.lambert_on(corners, picture.position, UP, -matrix[:3, 2]), 3e-4)
 
 
-def test_disk_formula():
+def test_a18_disk():
     picture = render(lit_floor(RADIANCE, shape="ELLIPSE"), 8, stop_rule="FIXED", light_samples=4096)
     expect(picture, oracles.disk(0.5, 2.0, np.hypot(picture.position[..., 0], picture.position[..., 1])), 3e-4)
 
 
-def test_a_light_that_straddles_the_horizon():
+def test_a05_a_light_that_straddles_the_horizon():
     """A luminaire standing half below the floor's level; its lower half must count nothing. The horizon cuts the
     integrand with a kink, and points stand as near as its own size: 4096 points, 2e-3."""
     matrix = translation(1.5, 0, 0) @ rotation([0, 1, 0], 90)  # emits towards -x
@@ -97,7 +97,7 @@ def test_lights_add():
     assert (picture.light_samples[both_face] == 2048).all() and both_face.sum() > 40
 
 
-def test_albedo_and_radiance_scale_exactly():
+def test_c35_extreme_radiance():
     """Powers of two: the same bits, only the exponent moves. Radiance 1e-30 and 1e30 as well (to rounding)."""
     base = render(lit_floor((1, 1, 1)), 8, stop_rule="FIXED", light_samples=64).red
     assert (render(lit_floor((4, 4, 4), albedo=0.25), 8, stop_rule="FIXED", light_samples=64).red == 2 * base).all()
@@ -107,7 +107,7 @@ def test_albedo_and_radiance_scale_exactly():
 
 
 @pytest.mark.parametrize("scale", [1e-6, 1e4])
-def test_size_of_the_world_does_not_matter(scale):
+def test_c32_c33_size_of_the_world(scale):
     """Everything scaled alike: the same picture to float rounding of the vertices, 1e-5."""
 
     def build(s):
@@ -160,7 +160,7 @@ def test_phong_floor(exponent):
         np.testing.assert_allclose(picture.passes["Combined"][index][:3], exact, rtol=1e-3)
 
 
-def test_no_light_no_ray():
+def test_a14_no_light_no_ray():
     """No luminaire, one without power, one without area, one behind the floor: black, and not one ray."""
     for light in ({"radiance": (0, 0, 0)}, {"size": (0, 1)}, {"light": translation(0, 0, -1)}):
         picture = render(lit_floor(**light), 8)
