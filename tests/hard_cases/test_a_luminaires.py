@@ -197,7 +197,9 @@ def test_a15_negative_radiance_takes_light_away(name):
     assert (alone[-1] == -alone[1]).all() and (alone[1] > 0).all()
     both = lit_floor((3.0,) * 3)
     both.add_area_light("anti", "RECTANGLE", translation(0, 0, 2), (1, 1), (-3.0,) * 3)
-    assert np.abs(red(both, 6, **settings)).max() < (0.05 if "PRS" in name or settings["stop_rule"] != "FIXED" else 0.02)
+    assert np.abs(red(both, 6, **settings)).max() < (
+        0.05 if "PRS" in name or settings["stop_rule"] != "FIXED" else 0.02
+    )
 
 
 @pytest.mark.parametrize("size", [(0, 0), (0, 1), (1, 0)])
@@ -229,7 +231,14 @@ def test_a20_furnace(name):
     the claimed error, in as many pixels as in row 1; on 64 pixels that share points, so four of them may miss more."""
     scene = pn.Scene()
     add(scene, "patch", parallelogram([-0.2, -0.2, 0], [0.4, 0, 0], [0, 0.4, 0]), rotation([1, 2, 3], 40))
-    for axis, angle in (((1, 0, 0), 0), ((1, 0, 0), 90), ((1, 0, 0), 180), ((1, 0, 0), 270), ((0, 1, 0), 90), ((0, 1, 0), 270)):
+    for axis, angle in (
+        ((1, 0, 0), 0),
+        ((1, 0, 0), 90),
+        ((1, 0, 0), 180),
+        ((1, 0, 0), 270),
+        ((0, 1, 0), 90),
+        ((0, 1, 0), 270),
+    ):
         scene.add_area_light("wall", "RECTANGLE", rotation(axis, angle) @ translation(0, 0, 1), (2, 2), (1, 1, 1))
     look_down(scene, 0.1)
     picture = render(scene, 8, **{"light_samples": 1024, **COMBINATIONS[name]})

@@ -54,7 +54,7 @@ def test_every_layout_gives_the_same_picture(layout):
     assert plain["Combined"].max() > 0
 
 
-def test_degenerate_triangles_are_harmless():
+def test_d37_degenerate_triangles_are_harmless():
     """Points, slivers and repeated indices are never hit; the floor below is lit as if they were not there."""
     positions = np.array([[0, 0, 1], [0, 0, 1], [1, 1, 1], [0.5, 0.5, 1], [-1, -1, 1]], float)
     triangles = np.array([[0, 0, 0], [0, 1, 2], [2, 2, 4], [2, 3, 4]], np.int32)

@@ -41,7 +41,7 @@ INVALID = {
 
 
 @pytest.mark.parametrize("name, value", [(n, v) for n, values in INVALID.items() for v in values])
-def test_invalid_values_are_named(name, value):
+def test_d46_invalid_values_are_named(name, value):
     with pytest.raises(ValueError, match=name):
         pn.Render(lit_floor(), {"width": 8, "height": 8, "stop_rule": "FIXED", name: value})
 
@@ -55,7 +55,7 @@ def test_unknown_settings_and_passes():
         pn.Render(lit_floor(), {})
 
 
-def test_huge_frames_are_refused_before_allocation():
+def test_d45_huge_frames_are_refused_before_allocation():
     """65536 x 65536 pixels would be 64 GB for Combined alone."""
     with pytest.raises(ValueError, match=r"width x height"):
         pn.Render(lit_floor(), {"width": 65536, "height": 65536})
@@ -63,7 +63,7 @@ def test_huge_frames_are_refused_before_allocation():
         pn.Render(lit_floor(), {"width": 2**32 - 1, "height": 2**32 - 1, "region": (0, 0, 1, 1)})
 
 
-def test_odd_shapes_of_frames():
+def test_d45_odd_shapes_of_frames():
     assert render(lit_floor(), 1, 1).red.shape == (1, 1)
     assert render(lit_floor(), 1, 2000, stop_rule="FIXED", light_samples=1).red.shape == (2000, 1)
     part = render(lit_floor(), 32768, 32768, region=(32767, 32760, 1, 8), stop_rule="FIXED", light_samples=4)
@@ -72,7 +72,7 @@ def test_odd_shapes_of_frames():
 
 @pytest.mark.parametrize("seed", [0, -1, 2**31 - 1, -(2**31), 2**32 - 1, 2**63 - 1])
 @pytest.mark.parametrize("sampler", ["PRS", "SOBOL", "HALTON", "OWEN_SOBOL"])
-def test_extreme_seeds(sampler, seed):
+def test_d46_extreme_seeds(sampler, seed):
     picture = render(
         lit_floor(), 4, stop_rule="FIXED", light_samples=16, sampler=sampler, sample_reuse="CONTINUED", seed=seed
     )

@@ -39,7 +39,7 @@ def with_value(array, value, index=(1, 2)):
         (POSITIONS[:0], TRIANGLES, "triangle 0 names vertex 0"),
     ],
 )
-def test_meshes(positions, triangles, words):
+def test_d36_d38_meshes(positions, triangles, words):
     with pytest.raises(ValueError, match=words) as refusal:
         pn.Scene().add_mesh(NAME, positions, triangles)
     assert str(refusal.value).startswith(NAME + ": ")
@@ -97,7 +97,7 @@ def bad_matrices():
 
 
 @pytest.mark.parametrize("words, matrix", bad_matrices())
-def test_transforms(words, matrix):
+def test_d39_d41_transforms(words, matrix):
     scene = pn.Scene()
     mesh, grey = scene.add_mesh("m", POSITIONS, TRIANGLES), scene.add_material("grey", (0.5,) * 3)
     for call in (
@@ -135,7 +135,7 @@ def test_instances():
         ("RECTANGLE", (1, 1), (0, np.inf, 0)),
     ],
 )
-def test_lights(arguments):
+def test_a17_lights(arguments):
     shape, size, radiance = arguments
     with pytest.raises(ValueError) as refusal:
         pn.Scene().add_area_light(NAME, shape, np.eye(4), size, radiance)
@@ -156,12 +156,12 @@ def test_lights(arguments):
         ("ORTHOGRAPHIC", (-1, 1, -1, 1), (1, 1)),
     ],
 )
-def test_cameras(kind, window, clip):
+def test_d41_cameras(kind, window, clip):
     with pytest.raises(ValueError, match="camera"):
         pn.Scene().set_camera(kind, np.eye(4), window, clip)
 
 
-def test_background_and_missing_camera():
+def test_d40_missing_camera_and_background():
     scene = pn.Scene()
     with pytest.raises(ValueError, match="background"):
         scene.set_background((np.nan, 0, 0))
