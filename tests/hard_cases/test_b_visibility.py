@@ -19,7 +19,7 @@ RHO = 0.5
 
 @pytest.mark.parametrize("ratio", [1e4, 1e6])
 def test_b28_needles(ratio):
-    """A plate half way up, cut into needles 2 m long and 2 m / ratio wide, of which only 64 are there, side by side, and
+    """Half way up 64 needles side by side, 2 m long and 2 m / ratio wide, and
     the same surface as two triangles: brute force over all triangles in float64, with the pixel's own points. A point
     within float32 rounding of an edge, or of the needles' common edges, may go either way: at ratio 1e4 one of 64 in
     2 % of the pixels, at 1e6, where 64 needles are 0.1 mm wide, the same."""

@@ -113,7 +113,7 @@ def test_d43_more_than_2_to_the_24_triangles():
 
 def test_d44_more_than_2_to_the_31_indices():
     """An array without strides that claims so many; reading it would take 8 GiB and more. In a process that has not got
-    them: an error, as the size is counted in 64 bits (in 32 a few bytes would do, and the copy would run beyond them)."""
+    them: an error, as sizes are counted in 64 bits (in 32 a few bytes would do, and the copy would run beyond)."""
     process = run_code("""
         import resource
         import numpy as np

@@ -24,8 +24,8 @@ def test_e50_points_lie_in_the_half_open_square(sampler, reuse):
 @pytest.mark.parametrize("reuse", ["SAME", "CONTINUED", "ROTATED", "SCRAMBLED"])
 def test_e51_sequences_are_never_strided(sampler, reuse):
     """Two luminaires a pixel: each gets a whole sequence, not every second point of one, which fills half the square
-    (the paper's figure 2). Of each luminaire's 64 points 4 lie in a sixteenth of either axis, 2 to 6 after a rotation or
-    at a sequence's odd places."""
+    (the paper's figure 2). Of each luminaire's 64 points 4 lie in a sixteenth of either axis, or 2 to 6 after a
+    rotation or from a sequence's odd places on."""
     for stream in range(8):  # pixel x luminaires + luminaire
         points = np.asarray(pn.sample_points(sampler, 64, reuse, 1, stream), float)
         for axis in (0, 1):

@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What cannot be rendered is an error that names its object; odd but legal scenes render."""
+"""The rows of the catalogue of hard cases in which Blender has a say (the others: tests/hard_cases): what cannot be
+rendered is an error that names its object; odd but legal scenes render."""
 
 import bpy
 import numpy as np
 import pytest
-from helpers import add_camera, add_cube, add_mesh, add_plane, link, render_pixels
-from penumbra import native
+from helpers import add_area_light, add_camera, add_cube, add_mesh, add_plane, link, render_pixels
+from penumbra import native, statistics
 
 
 def fails(scene, text: str) -> None:
@@ -13,7 +14,7 @@ def fails(scene, text: str) -> None:
         render_pixels(scene)
 
 
-def test_no_camera(scene):
+def test_d40_no_camera(scene):
     fails(scene, "no camera")  # Blender's own check comes first
 
 
@@ -28,7 +29,7 @@ def test_a_lamp_as_camera(scene):
 
 
 @pytest.mark.parametrize("value", [float("nan"), float("inf")])
-def test_camera_at_no_place(scene, value):
+def test_d41_camera_at_no_place(scene, value):
     add_camera(scene, "Lost").matrix_world[0][3] = value
     fails(scene, "camera 'Lost': its position or rotation is not a finite number")
 
@@ -40,12 +41,12 @@ def test_camera_at_no_place(scene, value):
         ({"clip_start": 2.0, "clip_end": 2.0}, "clip start 2 m is not below clip end 2 m"),
     ],
 )
-def test_degenerate_cameras(scene, settings, text):
+def test_d41_degenerate_cameras(scene, settings, text):
     add_camera(scene, "Odd", **settings)
     fails(scene, f"camera 'Odd': .*{text}")
 
 
-def test_orthographic_scale_of_zero(scene):
+def test_d41_orthographic_scale_of_zero(scene):
     add_camera(scene, "Odd", type="ORTHO", ortho_scale=0.0)
     if bpy.app.version < (5, 0, 0):
         fails(scene, "camera 'Odd': .* leaves nothing to see")
@@ -53,7 +54,7 @@ def test_orthographic_scale_of_zero(scene):
         assert np.isfinite(render_pixels(scene)["Combined"]).all()
 
 
-def test_camera_of_no_scale(scene):
+def test_d41_camera_of_no_scale(scene):
     add_camera(scene, "Flat").scale = (1, 0, 1)
     fails(scene, "camera 'Flat': its scale is zero")
 
@@ -64,7 +65,7 @@ def test_stereoscopy(scene):
     fails(scene, "camera 'Camera': stereoscopy")
 
 
-def test_a_vertex_that_is_no_number_names_the_object(lit_scene):
+def test_d36_a_vertex_that_is_no_number_names_the_object(lit_scene):
     broken = add_mesh(lit_scene, "Broken mesh", [(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
     broken.data.vertices[1].co.x = float("nan")
     fails(lit_scene, "Broken mesh: vertex 1 is not finite")
@@ -77,7 +78,7 @@ def test_settings_that_do_not_fit_are_both_named(lit_scene):
     fails(lit_scene, "(?s)SPRS.*light_samples")
 
 
-def test_names_with_odd_characters(lit_scene):
+def test_d47_names_with_odd_characters(lit_scene):
     name = "Ünï 'quoted'\nline %s {x} 光"
     broken = add_mesh(lit_scene, name, [(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
     render_pixels(lit_scene)
@@ -120,7 +121,7 @@ def test_a_worker_that_fails_is_an_error(lit_scene, monkeypatch):
     fails(lit_scene, "embree: out of memory")
 
 
-def test_an_empty_scene_is_its_background(scene):
+def test_d40_an_empty_scene_is_its_background(scene):
     add_camera(scene)
     scene.world = bpy.data.worlds.new("World")
     scene.world.use_nodes = True
@@ -129,19 +130,77 @@ def test_an_empty_scene_is_its_background(scene):
     np.testing.assert_allclose(pixels, np.broadcast_to([0.25, 0.5, 1, 1], pixels.shape))
 
 
-def test_no_lights_are_black(scene):
+def test_d40_no_lights_are_black(scene):
     add_camera(scene)
     add_plane(scene)
     assert not render_pixels(scene)["Combined"][..., :3].any()
 
 
 @pytest.mark.parametrize("size", [(4, 4), (5, 300), (300, 5), (65, 63)])
-def test_odd_sizes(lit_scene, size):
+def test_d45_odd_sizes(lit_scene, size):
     add_cube(lit_scene)
     lit_scene.render.resolution_x, lit_scene.render.resolution_y = size
     assert render_pixels(lit_scene)["Combined"].shape == (size[1], size[0], 4)
 
 
-def test_camera_inside_an_object(lit_scene):
+def test_d42_camera_inside_an_object(lit_scene):
     add_cube(lit_scene, size=40)
     assert np.isfinite(render_pixels(lit_scene)["Combined"]).all()
+
+
+def test_a16_a_light_of_no_size_is_named_in_a_note(lit_scene):
+    add_plane(lit_scene)
+    lit_scene.objects["Light"].data.size = 0
+    assert not render_pixels(lit_scene)["Combined"][..., :3].any()
+    assert any("light 'Light': its area is zero" in note for note in statistics.last_render["warnings"])
+
+
+@pytest.mark.parametrize("place", [0, 2**10, 2**20, 2**23])
+def test_c31_places_that_float32_holds(scene, place):
+    """Blender's matrices are float32: at multiples of a metre up to 2^23 m it knows them exactly, and the picture is
+    that at the origin but for rounding in the camera's window, which moves single points across the cube's edges."""
+    pictures = []
+    for x in (0, place):
+        for name in ("Floor", "Box", "Sun", "Eye"):
+            if name in scene.objects:
+                bpy.data.objects.remove(scene.objects[name])
+        add_plane(scene, "Floor", size=32, location=(x, -x, 0))
+        add_cube(scene, "Box", size=2, location=(x, -x, 1))
+        add_area_light(scene, "Sun", size=2.0, power=400, location=(x + 3, -x, 6))
+        add_camera(scene, "Eye", location=(x, -x, 16), type="ORTHO", ortho_scale=8.0)
+        pictures.append(render_pixels(scene)["Combined"][..., 0])
+    assert (np.abs(pictures[1] - pictures[0]) > 1e-3 * pictures[0].max()).mean() <= 0.01
+    assert pictures[0].min() < 0.5 * pictures[0].max()
+
+
+def test_d37_faces_without_area_are_counted_and_named(lit_scene):
+    add_plane(lit_scene, size=20)
+    add_mesh(lit_scene, "Sliver", [(0, 0, 1), (1, 0, 1), (2, 0, 1), (0, 0, 1)], [(0, 1, 2), (0, 1, 3)])
+    assert np.isfinite(render_pixels(lit_scene)["Combined"]).all()
+    assert "2 triangles without area were left out: 'Sliver'" in statistics.last_render["warnings"]
+
+
+def test_d39_scale_zero_is_counted_and_named(lit_scene):
+    add_plane(lit_scene, size=20)
+    add_cube(lit_scene, "Flat", scale=(1, 0, 1))
+    render_pixels(lit_scene)
+    notes = statistics.last_render["warnings"]
+    assert "1 objects whose scale is zero in some direction were left out: 'Flat'" in notes
+
+
+def test_d45_an_empty_border(lit_scene):
+    """Blender refuses it before the engine is asked."""
+    render = lit_scene.render
+    render.use_border, render.border_min_x, render.border_max_x = True, 0.5, 0.5
+    fails(lit_scene, "too small")
+
+
+def test_d49_a_stack_of_identical_faces(lit_scene):
+    """50,000 squares at one place: modelling accidents do that. Rendered at once, counted and named."""
+    corners = [(-9, -9, 0), (9, -9, 0), (9, 9, 0), (-9, 9, 0)]
+    faces = [tuple(range(i, i + 4)) for i in range(0, 200_000, 4)]
+    add_mesh(lit_scene, "Stack", corners * 50_000, faces)
+    picture = render_pixels(lit_scene)["Combined"]
+    assert picture[..., :3].min() > 0
+    text = "99998 triangles that are copies of others were left out: 'Stack'"
+    assert text in statistics.last_render["warnings"]
