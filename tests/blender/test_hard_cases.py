@@ -2,6 +2,9 @@
 """The rows of the catalogue of hard cases in which Blender has a say (the others: tests/hard_cases): what cannot be
 rendered is an error that names its object; odd but legal scenes render."""
 
+import struct
+import zlib
+
 import bpy
 import numpy as np
 import pytest
@@ -204,3 +207,57 @@ def test_d49_a_stack_of_identical_faces(lit_scene):
     assert picture[..., :3].min() > 0
     text = "99998 triangles that are copies of others were left out: 'Stack'"
     assert text in statistics.last_render["warnings"]
+
+
+@pytest.mark.parametrize("degrees", [180, 90, 1])
+def test_a19_spread(scene, degrees):
+    """180 degrees is the whole hemisphere. Below that a note names the light, as its spread is not supported yet."""
+    add_plane(scene, size=20)
+    add_camera(scene, location=(0, 0, 3))
+    add_area_light(scene, "Lamp", location=(0, 0, 4)).data.spread = np.radians(degrees)
+    assert np.isfinite(render_pixels(scene)["Combined"]).all()
+    assert any("light 'Lamp': spread" in note for note in statistics.last_render["warnings"]) == (degrees < 180)
+
+
+def png(width, height, body=b""):
+    """A PNG file of that header, 8-bit RGB, whatever follows it."""
+
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    header = chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0))
+    return b"\x89PNG\r\n\x1a\n" + header + chunk(b"IDAT", body) + chunk(b"IEND", b"")
+
+
+BAD_IMAGES = {
+    "missing": None,
+    "empty": b"",
+    "no image": b"#!/bin/sh\nexit 1\n" * 100,
+    "truncated": png(64, 64, zlib.compress(b"\0" * 64 * 193))[:60],
+    "corrupt": png(64, 64, b"\x78\x9c" + bytes(range(256))),
+    "huge": png(40_000, 40_000, zlib.compress(b"\0" * 1000)),
+    "larger than memory": png(2**31 - 1, 2**31 - 1, b""),
+}
+
+
+@pytest.mark.parametrize("kind", BAD_IMAGES)
+def test_d48_bad_textures(lit_scene, tmp_path, kind):
+    """An error that names the material or its image, or a finite picture and a note that does; Blender lives."""
+    path = tmp_path / "Bad.png"
+    if BAD_IMAGES[kind] is not None:
+        path.write_bytes(BAD_IMAGES[kind])
+    image = bpy.data.images.new("Bad.png", 4, 4)
+    image.source, image.filepath = "FILE", str(path)
+    material = bpy.data.materials.new("Painted")
+    material.use_nodes = True
+    texture = material.node_tree.nodes.new("ShaderNodeTexImage")
+    texture.image = image
+    principled = material.node_tree.nodes["Principled BSDF"]
+    material.node_tree.links.new(texture.outputs["Color"], principled.inputs["Base Color"])
+    add_plane(lit_scene, size=20).data.materials.append(material)
+    try:
+        assert np.isfinite(render_pixels(lit_scene)["Combined"]).all()
+        told = " ".join(statistics.last_render["warnings"])
+    except RuntimeError as error:
+        told = str(error)
+    assert "Painted" in told or "Bad.png" in told
