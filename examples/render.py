@@ -3,6 +3,7 @@
 
     blender -b FILE.blend -P examples/render.py -- [--output OUT.exr] [--frame N | --frames A-B]
         [--statistics S.json] [--set NAME=VALUE ...] [--multilayer] [--view VIEW.png] [--checkpoint DIR]
+    blender -b FILE.blend -P examples/render.py -- --debug-pixel X,Y [--frame N] [--set NAME=VALUE ...]
     blender -b FILE.blend -P examples/render.py -- --report DIR [--report-pixels N] [--frame N] [--set NAME=VALUE ...]
 
 Every option may be left out; without --output the scene's own path and format are used. The exit code is 0 only if
@@ -39,6 +40,13 @@ def frame_range(text: str) -> range:
     return range(int(first), int(last) + 1)
 
 
+def pixel(text: str) -> tuple[int, int]:
+    x, comma, y = text.partition(",")
+    if not (x.isdigit() and comma and y.isdigit()):
+        raise argparse.ArgumentTypeError(f"{text!r} is not of the form X,Y")
+    return int(x), int(y)
+
+
 def parse_arguments() -> argparse.Namespace:
     """What follows `--` on Blender's command line."""
     parser = argparse.ArgumentParser(prog="render.py", usage="blender -b FILE.blend -P render.py -- [options]")
@@ -55,6 +63,12 @@ def parse_arguments() -> argparse.Namespace:
     parser.add_argument("--view", type=Path, help="a .png as the screen shows it, beside the picture")
     parser.add_argument(
         "--checkpoint", type=Path, metavar="DIR", help="keep finished tiles there, and go on from those that are there"
+    )
+    parser.add_argument(
+        "--debug-pixel",
+        type=pixel,
+        metavar="X,Y",
+        help="tell what happens in one pixel, no picture; origin bottom left",
     )
     parser.add_argument("--report", type=Path, metavar="DIR", help="write a page on speed against error, no picture")
     parser.add_argument("--report-pixels", type=int, metavar="N", help="scale the report's frame to so many pixels")
@@ -154,6 +168,18 @@ def write_report(arguments: argparse.Namespace, package) -> None:
     print(f"{'Report':16} {report.write_report(scene, bpy.context.view_layer, arguments.report, most)}")
 
 
+def debug_pixel(arguments: argparse.Namespace, package) -> None:
+    """Prints what happens in one pixel of each view layer."""
+    scene = bpy.context.scene
+    if arguments.frame is not None:
+        scene.frame_set(arguments.frame)
+    package.engine.debug_pixel = arguments.debug_pixel
+    try:
+        bpy.ops.render.render(scene=scene.name)
+    finally:
+        package.engine.debug_pixel = None
+
+
 def main() -> None:
     arguments = parse_arguments()
     package = penumbra_addon.load()
@@ -165,6 +191,9 @@ def main() -> None:
         apply_setting(scene.penumbra, text)
     if arguments.report:
         write_report(arguments, package)
+        return
+    if arguments.debug_pixel:
+        debug_pixel(arguments, package)
         return
     if arguments.checkpoint:
         scene.penumbra.checkpoint_folder = str(arguments.checkpoint.absolute())

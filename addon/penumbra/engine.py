@@ -18,6 +18,9 @@ from .notes import Notes
 POLL_SECONDS = 0.05
 STATUS_SECONDS = 0.5
 
+debug_pixel: tuple[int, int] | None = None
+"""A pixel of the full frame (origin bottom left) to be told about instead of rendering; for scripts."""
+
 
 class PenumbraRenderEngine(bpy.types.RenderEngine):
     bl_idname = "PENUMBRA"
@@ -61,6 +64,9 @@ class PenumbraRenderEngine(bpy.types.RenderEngine):
         self.update_stats("", "Building the ray tracing structure")
         names = [entry.name for entry in passes.wanted_by(view_layer)]
         settings = properties.native_settings(scene, size, region, names)
+        if debug_pixel:
+            print(pn.Render(exported, settings).debug_pixel(*debug_pixel), flush=True)
+            return
         render = pn.Render(exported, settings | {"checkpoint": checkpoint.folder(scene, view_layer)})
         passes.add_to_result(self, view_layer)
         cancelled = self.collect(render, view_layer, seconds)

@@ -48,6 +48,8 @@ class BlockLight {
     flood();
     settle_certain_items();
     refine_tiles();
+    if (tally_.trace)
+      for (const BoundedItem& item : items_) tally_.trace->add(pixel(item), decision(item));
   }
 
  private:
@@ -63,6 +65,16 @@ class BlockLight {
            y < int(block_.core_height) + margin;
   }
 
+  LightDecision decision(const BoundedItem& item) const {
+    return {points_[item.point].bounce, item.luminaire,
+            item.uncertain   ? "may be in penumbra"
+            : item.first_lit ? "wholly seen"
+                             : "wholly hidden",
+            item.uncertain ? item.count : kFirstLook,
+            item.uncertain   ? item.radiance()
+            : item.first_lit ? item.unshadowed()
+                             : Vec3d{}};
+  }
   void find_items();
   void drop_dim_items();
   void first_look();

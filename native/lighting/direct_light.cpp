@@ -23,6 +23,12 @@ void DirectLight::light(const Block& block, const std::vector<LitPoint>& points,
       pixel.points += one.points;
       pixel.at_limit = pixel.at_limit || one.at_limit;
       variance[lit.pixel] += lit.throughput * lit.throughput * one.variance;
+      if (tally.trace)
+        tally.trace->add(lit.pixel, {lit.bounce, uint32_t(i),
+                                     one.points == 0 ? "unseen"
+                                     : one.at_limit  ? "at the limit"
+                                                     : "the rule is satisfied",
+                                     one.points, lit.throughput * one.radiance});
     }
   }
   for (size_t i = 0; i < out.size(); ++i)

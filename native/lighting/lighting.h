@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "lighting/pixel_trace.h"
 #include "luminaire/luminaire.h"
 #include "material/phong.h"
 #include "sampling/sampler.h"
@@ -50,6 +51,7 @@ struct LightTally {
   uint64_t shadow_rays = 0;              // traced, those beyond the stop included
   uint64_t shadow_rays_beyond_stop = 0;  // traced with a packet whose earlier points were enough
   uint64_t decided_without_ray = 0;      // pairs of surface point and luminaire
+  PixelTrace* trace = nullptr;           // told of one pixel, if there is one
 
   LightTally& operator+=(const LightTally& o) {
     light_points += o.light_points;

@@ -24,6 +24,7 @@ Parts make_parts(const PointLuminaire& d, const Normalization& n) {
 
 Luminaire::Luminaire(const LuminaireDescription& description, const Normalization& normalization) {
   const auto parts = std::visit([&](const auto& d) { return make_parts(d, normalization); }, description);
+  name_ = std::visit([](const auto& d) { return d.name; }, description);
   emitter_ = parts.emitter;
   radiance_ = parts.radiance;
   cast_shadow_ = std::visit([](const auto& d) { return d.cast_shadow; }, description);

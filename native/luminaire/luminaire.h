@@ -34,9 +34,11 @@ class Luminaire {
   /// What form factors are multiplied with: the radiance of a luminaire of some size, the intensity of a
   /// point, the irradiance / pi of a direction.
   const Vec3d& radiance() const { return radiance_; }
+  const std::string& name() const { return name_; }
   bool casts_shadow() const { return cast_shadow_; }
 
  private:
+  std::string name_;
   std::shared_ptr<const Emitter> emitter_;
   Vec3d radiance_;
   bool cast_shadow_;

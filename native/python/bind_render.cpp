@@ -190,6 +190,13 @@ setting. Building the acceleration structure happens here, once a scene; Runtime
       .def(
           "finish", [](PythonRender& self) { self.renderer().finish(); }, Released(),
           "Waits for the threads. Raises what failed in one of them. May be called again.")
+      .def(
+          "debug_pixel",
+          [](PythonRender& self, uint32_t x, uint32_t y) { return self.renderer().debug_pixel(x, y); },
+          py::arg("x"), py::arg("y"), Released(),
+          "Lines of text on one pixel of the full frame (origin bottom left): what it sees, and for each "
+          "luminaire its "
+          "form factor, which points are seen, and what lighting decided. Before start() only.")
       .def_property_readonly("done", [](PythonRender& self) { return self.renderer().done(); })
       .def_property_readonly(
           "progress", [](PythonRender& self) { return self.renderer().progress(); }, "0 ... 1")

@@ -24,6 +24,7 @@ class BlockRenderer {
         area_(with_halo(core, context.lighting.halo(), context.settings)),
         block_(block_of(core, area_, context.settings)) {
     pixels_.resize(block_.pixels());
+    if (tally.light.trace) aim(*tally.light.trace, area_);
   }
 
   void run() {
@@ -141,7 +142,7 @@ void BlockRenderer::write() {
 }  // namespace
 
 RenderTally::RenderTally(const Counts& c, std::string first_non_finite_pixel)
-    : light{c[0], c[1], c[2], c[3]},
+    : light{c[0], c[1], c[2], c[3], nullptr},
       primary_rays(c[4]),
       mirror_rays(c[5]),
       pixels_at_limit(c[6]),
@@ -180,6 +181,10 @@ Block block_of(const Rectangle& core, const Rectangle& area, const RenderSetting
           core.y - area.y,
           std::min(core.x + core.width, settings.width) - core.x,
           std::min(core.y + core.height, settings.height) - core.y};
+}
+
+void aim(PixelTrace& trace, const Rectangle& area) {
+  trace.pixel = (trace.y - area.y) * area.width + trace.x - area.x;
 }
 
 std::string pixel_name(uint32_t x, uint32_t y, const std::string* object) {

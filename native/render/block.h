@@ -46,6 +46,9 @@ struct RenderTally {
 Rectangle with_halo(const Rectangle& core, uint32_t halo, const RenderSettings& settings);
 Block block_of(const Rectangle& core, const Rectangle& area, const RenderSettings& settings);
 
+/// Tells a trace which pixel of the block, whose area in the frame is `area`, it is about.
+void aim(PixelTrace& trace, const Rectangle& area);
+
 /// "pixel X,Y (OBJECT)", for messages.
 std::string pixel_name(uint32_t x, uint32_t y, const std::string* object);
 

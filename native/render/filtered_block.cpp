@@ -21,8 +21,7 @@ static_assert(kGateReach + kFloodReach == int(kFilteredHalo));
 /// neighbours.
 constexpr double kStop = 2.7, kReport = 2.2, kSmoothed = 1.0, kExponent = 0.65, kPriorWeight = 6.0;
 
-/// First samples whose unshadowed values leave a plane by more than this share of the tolerance want more
-/// rays.
+/// More rays where first samples' unshadowed values leave a plane by more than this share of the tolerance.
 constexpr double kResidualShare = 0.7;
 /// Share of the tolerance that dim luminaires may be charged for being left out of the ray count.
 constexpr double kDropShare = 0.125;
@@ -88,6 +87,7 @@ FilteredBlock::FilteredBlock(const RenderContext& context, const Rectangle& core
   slot_count_ = uint32_t(c_.luminaires.size()) * c_.paths.length() * (phong_ ? 2 : 1);
   pixels_.resize(block_.pixels());
   slots_.resize(size_t(block_.pixels()) * slot_count_);
+  if (tally.light.trace) aim(*tally.light.trace, area_);
 }
 
 bool FilteredBlock::in_core(uint32_t p, int margin) const {
@@ -103,6 +103,8 @@ void FilteredBlock::run() {
   for (uint32_t y = 0; y < block_.core_height; y += kTile)
     for (uint32_t x = 0; x < block_.core_width; x += kTile) refine_tile(block_.core_x + x, block_.core_y + y);
   write();
+  if (PixelTrace* trace = tally_.light.trace)
+    tell(*trace, pixels_[trace->pixel], slots(trace->pixel), uint32_t(c_.luminaires.size()), phong_ ? 2 : 1);
 }
 
 /// Four samples of every pixel; 2x2 pixels of the frame a packet, wherever the block begins.
@@ -242,8 +244,7 @@ void FilteredBlock::light(uint32_t p, uint32_t first, std::span<PathEnd> ends) {
   pixel.count = first + uint32_t(ends.size());
 }
 
-/// The first samples' plane: unshadowed values at the pixel's centre, and how far they are from being a
-/// plane.
+/// The first samples' plane: unshadowed values at the pixel's centre, and how far they are from it.
 void FilteredBlock::fit_plane(FilteredPixel& pixel, std::span<Slot> slot, const double* dx, const double* dy,
                               std::span<const PathEnd> ends) {
   const PlaneFit fit({dx[0], dx[1], dx[2], dx[3]}, {dy[0], dy[1], dy[2], dy[3]});

@@ -70,6 +70,17 @@ Vec3d FilteredPixel::fitted(std::span<const Slot> slots) const {
   return sum;
 }
 
+void tell(PixelTrace& trace, const FilteredPixel& pixel, std::span<const Slot> slots, uint32_t luminaires,
+          uint32_t lobes) {
+  for (uint32_t s = 0; s < slots.size(); ++s) {
+    const Slot& slot = slots[s];
+    if (slot.now.unshadowed == Vec3d{}) continue;
+    const char* decision = slot.uncertain ? "may be in penumbra" : slot.lit ? "wholly seen" : "wholly hidden";
+    trace.decisions.push_back({s / lobes / luminaires, s / lobes % luminaires, decision, pixel.count,
+                               slot.radiance(slot.now, pixel.count)});
+  }
+}
+
 double FilteredPixel::prior_variance(std::span<const Slot> slots, double display_scale,
                                      double exponent) const {
   const double n = count, mean = x / n, opaque = alpha / n;

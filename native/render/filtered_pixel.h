@@ -66,6 +66,10 @@ struct FilteredPixel {
   void close_level(std::span<Slot> slots, double display_scale);
 };
 
+/// What was decided about each luminaire, for --debug-pixel. lobes: of each luminaire in the slots.
+void tell(PixelTrace& trace, const FilteredPixel& pixel, std::span<const Slot> slots, uint32_t luminaires,
+          uint32_t lobes);
+
 /// Do two pixels' first samples see different surfaces?
 bool edge_between(const FilteredPixel& a, const FilteredPixel& b);
 

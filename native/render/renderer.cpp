@@ -13,6 +13,7 @@
 #include "lighting/bounded_light.h"
 #include "lighting/direct_light.h"
 #include "math/simd.h"
+#include "render/debug_pixel.h"
 #include "render/filtered_block.h"
 
 namespace penumbra {
@@ -163,10 +164,31 @@ void Renderer::run_thread(double begin) {
   changed_.notify_all();
 }
 
+RenderContext Renderer::context() {
+  return {settings_, *scene_,         *geometry_,           camera_, paths_, luminaires_, *lighting_,
+          filter_,   *pixel_sampler_, pixel_light_sampler_, film_};
+}
+
+void (*Renderer::block_renderer() const)(const RenderContext&, const Rectangle&, RenderTally&) {
+  return settings_.filtered() ? render_filtered_block : render_block;
+}
+
+std::string Renderer::debug_pixel(uint32_t x, uint32_t y) {
+  const std::lock_guard lock(mutex_);
+  const Rectangle& r = settings_.region;
+  if (x - r.x >= r.width || y - r.y >= r.height)
+    throw std::invalid_argument("debug_pixel: " + std::to_string(x) + "," + std::to_string(y) +
+                                " is not in the rendered region");
+  if (started_) throw std::invalid_argument("debug_pixel: the render was started already");
+  for (const auto& bucket : buckets_)
+    for (const Rectangle& block : bucket->blocks)
+      if (x - block.x < block.width && y - block.y < block.height)
+        return penumbra::debug_pixel(context(), *light_sampler_, block, x, y, block_renderer());
+  return {};
+}
+
 void Renderer::work() {
-  const RenderContext context{settings_,   *scene_,    *geometry_, camera_,         paths_,
-                              luminaires_, *lighting_, filter_,    *pixel_sampler_, pixel_light_sampler_,
-                              film_};
+  const RenderContext context = this->context();
   while (!cancelled_) {
     const size_t i = next_++;
     if (i >= work_.size()) return;
@@ -174,8 +196,7 @@ void Renderer::work() {
     const Rectangle& block = bucket.blocks[work_[i].second];
     RenderTally tally;
     try {
-      const auto render = settings_.filtered() ? render_filtered_block : render_block;
-      render(context, block, tally);
+      block_renderer()(context, block, tally);
     } catch (const std::bad_alloc&) {
       throw;
     } catch (const std::exception& error) {

@@ -44,6 +44,10 @@ class Renderer {
   /// Waits for the threads; rethrows what a worker threw.
   void finish();
 
+  /// Renders the block that holds a pixel (full frame), before start(), and tells of the pixel in lines of
+  /// text. Throws std::invalid_argument outside the region or after start().
+  std::string debug_pixel(uint32_t x, uint32_t y);
+
   const Film& film() const { return film_; }
   const RenderSettings& settings() const { return settings_; }
   /// Of a finished render; before finish() of nothing yet.
@@ -59,6 +63,8 @@ class Renderer {
 
   void make_buckets();
   void restore_buckets();
+  RenderContext context();
+  void (*block_renderer() const)(const RenderContext&, const Rectangle&, RenderTally&);
   void run_thread(double begin);
   void work();
   void finish_block(Bucket& bucket, const RenderTally& tally);
