@@ -68,7 +68,7 @@ def parse_arguments() -> argparse.Namespace:
         "--debug-pixel",
         type=pixel,
         metavar="X,Y",
-        help="tell what happens in one pixel, no picture; origin bottom left",
+        help="tell of one pixel (origin bottom left), no picture",
     )
     parser.add_argument("--report", type=Path, metavar="DIR", help="write a page on speed against error, no picture")
     parser.add_argument("--report-pixels", type=int, metavar="N", help="scale the report's frame to so many pixels")

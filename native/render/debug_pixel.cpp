@@ -53,8 +53,7 @@ void tell_luminaires(std::ostream& out, const RenderContext& c, const Sampler& s
 
 }  // namespace
 
-std::string debug_pixel(const RenderContext& c, const Sampler& light_sampler, const Rectangle& block,
-                        uint32_t x, uint32_t y,
+std::string debug_pixel(const RenderContext& c, const Rectangle& block, uint32_t x, uint32_t y,
                         void (*film_block)(const RenderContext&, const Rectangle&, RenderTally&)) {
   PixelTrace trace{.x = x, .y = y};
   RenderTally tally;
@@ -65,6 +64,9 @@ std::string debug_pixel(const RenderContext& c, const Sampler& light_sampler, co
   const Ray ray = c.camera.through(x + 0.5, y + 0.5);
   Hit hit;
   c.geometry.intersect(&ray, 1, &hit);
+  // BOUNDED's own points; FIXED's come in another order, neighbours first.
+  const auto sampler =
+      make_sampler({SamplerKind::kOwenSobol, SampleReuse::kScrambled, c.settings.seed, kPacket, false});
   std::vector<LitPoint> points;
   uint64_t mirror_rays = 0;
   const uint64_t frame_pixel = uint64_t(y) * c.settings.width + x;
@@ -76,7 +78,7 @@ std::string debug_pixel(const RenderContext& c, const Sampler& light_sampler, co
     out << "  surface point " << lit.bounce << " at " << n.world_point(lit.surface.position) << ", normal "
         << lit.surface.normal << ", facet " << lit.surface.geometric_normal << ", material '"
         << c.scene.materials()[lit.surface.material].name << "', throughput " << lit.throughput << '\n';
-    tell_luminaires(out, c, light_sampler, lit, trace);
+    tell_luminaires(out, c, *sampler, lit, trace);
   }
   const Rectangle& region = c.film.region();
   const size_t at = size_t(y - region.y) * region.width + (x - region.x);

@@ -183,7 +183,7 @@ std::string Renderer::debug_pixel(uint32_t x, uint32_t y) {
   for (const auto& bucket : buckets_)
     for (const Rectangle& block : bucket->blocks)
       if (x - block.x < block.width && y - block.y < block.height)
-        return penumbra::debug_pixel(context(), *light_sampler_, block, x, y, block_renderer());
+        return penumbra::debug_pixel(context(), block, x, y, block_renderer());
   return {};
 }
 
