@@ -7,6 +7,16 @@ import numpy as np
 AREA_LIGHT_WATTS_OVER_FOUR_AREAS = bpy.app.version < (4, 0, 0)
 """The radiance of an area light of power P and area A: P / (4 A) before Blender 4.0, P / (pi A) since."""
 
+SPOT_HAS_COSINE = bpy.app.version < (4, 0, 0)
+"""Before Blender 4.0 a spot fades with the cosine to its axis, too."""
+
+SPOT_IGNORES_SCALE = bpy.app.version < (4, 0, 0)
+"""Since Blender 4.0 the object's scale widens a spot's cone."""
+
+SUN_IS_FLAT = bpy.app.version < (4, 0, 0)
+"""Before Blender 4.0 the sun is a flat disk with the whole strength, since then a cap that shines as strong on a
+surface that faces it."""
+
 FILE_PATH_OPTIONS = (
     {"PATH_SUPPORTS_BLEND_RELATIVE"}
     if "is_path_supports_blend_relative" in bpy.types.Property.bl_rna.properties
@@ -55,6 +65,21 @@ def node_tree(datablock):
     if switch and not getattr(switch, "is_deprecated", False) and not datablock.use_nodes:
         return None
     return datablock.node_tree
+
+
+def light_is_sphere(light) -> bool:
+    """Whether a point light or spot is a sphere, not a disk that faces whoever looks at it.
+
+    Before Blender 4.0 it is a disk; later it is a sphere, but where it has `use_soft_falloff` switched on.
+    """
+    return bpy.app.version >= (4, 0, 0) and not getattr(light, "use_soft_falloff", False)
+
+
+def light_colour(light) -> tuple[float, float, float]:
+    """A light's colour times its exposure and temperature, where the version has them (Blender 4.5+)."""
+    factor = 2.0 ** getattr(light, "exposure", 0.0)
+    temperature = light.temperature_color if getattr(light, "use_temperature", False) else (1.0, 1.0, 1.0)
+    return tuple(factor * c * t for c, t in zip(light.color, temperature, strict=True))
 
 
 def light_casts_shadows(light) -> bool:

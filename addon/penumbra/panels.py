@@ -168,6 +168,15 @@ class PENUMBRA_VIEWLAYER_PT_passes(PropertiesPanel, bpy.types.Panel):
             column.prop(layer.penumbra, name)
 
 
+LIGHT_SHAPE = {
+    "AREA": ("shape", "size"),
+    "POINT": ("shadow_soft_size",),
+    "SPOT": ("shadow_soft_size", "spot_size", "spot_blend"),
+    "SUN": ("angle",),
+}
+"""The properties that give each type of light its shape."""
+
+
 class PENUMBRA_LIGHT_PT_light(PropertiesPanel, bpy.types.Panel):
     bl_label = "Luminaire"
     bl_context = "data"
@@ -178,14 +187,12 @@ class PENUMBRA_LIGHT_PT_light(PropertiesPanel, bpy.types.Panel):
 
     def draw(self, context):
         light, column = context.light, self.column()
-        if light.type != "AREA":
-            column.label(text="Only area lights are supported yet", icon="INFO")
-            return
+        column.prop(light, "type")
         column.prop(light, "color")
         column.prop(light, "energy")
-        column.prop(light, "shape")
-        column.prop(light, "size")
-        if light.shape in ("RECTANGLE", "ELLIPSE"):
+        for name in LIGHT_SHAPE[light.type]:
+            column.prop(light, name)
+        if light.type == "AREA" and light.shape in ("RECTANGLE", "ELLIPSE"):
             column.prop(light, "size_y", text="Y")
         column.prop(light, "use_shadow", text="Cast Shadow")
 

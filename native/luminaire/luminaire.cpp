@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "luminaire/luminaire.h"
 
+#include <numbers>
+
 #include "luminaire/flat_emitter.h"
 #include "luminaire/point_emitter.h"
+#include "luminaire/sun_emitter.h"
 
 namespace penumbra {
 namespace {
@@ -18,6 +21,10 @@ Parts make_parts(const AreaLuminaire& d, const Normalization& n) {
 
 Parts make_parts(const PointLuminaire& d, const Normalization& n) {
   return {std::make_shared<PointEmitter>(d, n), d.intensity * (n.scale * n.scale)};  // of render space
+}
+
+Parts make_parts(const SunLuminaire& d, const Normalization&) {
+  return {std::make_shared<SunEmitter>(d), d.irradiance / std::numbers::pi};
 }
 
 }  // namespace

@@ -115,14 +115,11 @@ void PointEmitter::evaluate(const SurfacePoint& surface, const float* u, const f
                             LightPoints& out) const {
   const View view = view_from(surface);
   if (radius_ == 0) {
-    const auto value = float(form_factor(surface));
     const Vec3f d(view.to_centre);
-    for (uint32_t i = 0; i < count; ++i) {
-      out.x[i] = d.x;
-      out.y[i] = d.y;
-      out.z[i] = d.z;
-      out.form_factor[i] = value;
-    }
+    std::fill(out.x, out.x + count, d.x);
+    std::fill(out.y, out.y + count, d.y);
+    std::fill(out.z, out.z + count, d.z);
+    std::fill(out.form_factor, out.form_factor + count, float(form_factor(surface)));
     return;
   }
   if (view.inside) {

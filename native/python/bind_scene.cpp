@@ -137,6 +137,19 @@ shape: RECTANGLE or ELLIPSE. size: full extents (x, y) before the transform. rad
 radius: world units; 0 is a point. intensity: (r, g, b), W/sr. shape: SPHERE, or FACING_DISK, a disk that faces whoever
 looks at it. spot: (full angle in radians, blend 0 ... 1) of a cone around local -z, None for light in all directions;
 cosine_falloff multiplies it with the cosine to the axis.)")
+      .def(
+          "add_sun",
+          [](PythonScene& self, const std::string& name, const Color& to_sun, double angle,
+             const Color& irradiance, bool cast_shadow) {
+            self.scene->add_luminaire(
+                SunLuminaire{name, vec(to_sun), angle / 2, vec(irradiance), cast_shadow});
+          },
+          py::arg("name"), py::arg("to_sun"), py::arg("angle"), py::arg("irradiance"),
+          py::arg("cast_shadow") = true,
+          R"(Adds a disk of directions of constant radiance, infinitely far away.
+
+to_sun: direction (x, y, z). angle: diameter in radians, 0 ... pi; 0 is one direction. irradiance: (r, g, b), W/m^2 of a
+surface that faces it.)")
       .def_static(
           "area_of",
           [](const std::string& shape, const py::array& world_from_light, const Pair& size) {

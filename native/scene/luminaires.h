@@ -44,6 +44,15 @@ struct PointLuminaire {
   std::optional<SpotCone> spot;
 };
 
-using LuminaireDescription = std::variant<AreaLuminaire, PointLuminaire>;
+/// A disk of directions, infinitely far away, of constant radiance; of angle 0 one direction.
+struct SunLuminaire {
+  std::string name;
+  Vec3d to_sun;       // any length
+  double half_angle;  // radians, 0 ... pi / 2
+  Vec3d irradiance;   // W / m^2 of a surface that faces it
+  bool cast_shadow = true;
+};
+
+using LuminaireDescription = std::variant<AreaLuminaire, PointLuminaire, SunLuminaire>;
 
 }  // namespace penumbra

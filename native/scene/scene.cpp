@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/scene.h"
 
+#include <numbers>
 #include <stdexcept>
 
 #include "sampling/hash.h"
@@ -11,6 +12,8 @@ namespace {
 [[noreturn]] void refuse(const std::string& name, const std::string& reason) {
   throw std::invalid_argument(name + ": " + reason);
 }
+
+constexpr double kMostAngle = std::numbers::pi + 1e-6;  // angles come as float32
 
 bool is_albedo(const Vec3d& a) {
   return is_finite(a) && std::min({a.x, a.y, a.z}) >= 0 && max_component(a) <= 1;
@@ -105,12 +108,25 @@ void Scene::add_luminaire(PointLuminaire luminaire) {
   hash_ = hash_bytes(hash_, shape, sizeof(shape));
   if (luminaire.spot) {
     const SpotCone& spot = *luminaire.spot;
-    if (!(spot.angle >= 0 && spot.angle <= 3.2 && spot.blend >= 0 && spot.blend <= 1))
+    if (!(spot.angle >= 0 && spot.angle <= kMostAngle && spot.blend >= 0 && spot.blend <= 1))
       refuse(name, "the spot's angle must lie in 0 ... pi and its blend in 0 ... 1");
     if (t.determinant() == 0) refuse(name, "a spot's transform must not be singular");
     const double cone[3] = {spot.angle, spot.blend, double(spot.cosine_falloff)};
     hash_ = hash_bytes(hash_, cone, sizeof(cone));
   }
+  luminaires_.emplace_back(std::move(luminaire));
+}
+
+void Scene::add_luminaire(SunLuminaire luminaire) {
+  const std::string& name = luminaire.name;
+  if (!is_finite(luminaire.to_sun) || max_abs(luminaire.to_sun) == 0)
+    refuse(name, "the direction is not finite or has no length");
+  if (!(luminaire.half_angle >= 0 && luminaire.half_angle <= kMostAngle / 2))
+    refuse(name, "half the angle must lie in 0 ... pi / 2");
+  if (!is_finite(luminaire.irradiance)) refuse(name, "the irradiance is not finite");
+  hash_ = hash_bytes(hash_, &luminaire.to_sun, sizeof(Vec3d));
+  hash_ = hash_bytes(hash_, &luminaire.irradiance, sizeof(Vec3d));
+  hash_ = hash_of(hash_bytes(hash_, &luminaire.half_angle, sizeof(double)), luminaire.cast_shadow);
   luminaires_.emplace_back(std::move(luminaire));
 }
 

@@ -59,6 +59,7 @@ class Scene {
   void add_instance(Instance instance);
   void add_luminaire(AreaLuminaire luminaire);
   void add_luminaire(PointLuminaire luminaire);
+  void add_luminaire(SunLuminaire luminaire);
   void set_camera(const Camera& camera);
   void set_background(const Background& background);
 

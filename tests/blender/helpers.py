@@ -127,6 +127,15 @@ def add_area_light(
     return link(scene, name, light, **transform)
 
 
+def add_light(scene, kind, name="Light", power=100.0, color=(1, 1, 1), data=None, **transform):
+    """A light of any kind; `data`: further properties of it. Power in Blender's watts, a sun's in W/m^2."""
+    light = bpy.data.lights.new(name, kind)
+    light.energy, light.color = power, color
+    for key, value in (data or {}).items():
+        setattr(light, key, value)
+    return link(scene, name, light, **transform)
+
+
 def add_camera(scene, name="Camera", location=(0, 0, 5), rotation=(0, 0, 0), **settings):
     """The scene's camera, looking along its local -z; `settings` are properties of the camera's data."""
     camera = bpy.data.cameras.new(name)

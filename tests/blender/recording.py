@@ -49,6 +49,19 @@ class Recording:
                 )  # fmt: skip
                 return super().add_area_light(name, shape, matrix, size, radiance, cast_shadow)
 
+            def add_point_light(self, name, matrix, radius, intensity, **shape):
+                recording.lights.append(
+                    SimpleNamespace(name=name, matrix=matrix, radius=radius, intensity=intensity, **shape)
+                )
+                return super().add_point_light(name, matrix, radius, intensity, **shape)
+
+            def add_sun(self, name, to_sun, angle, irradiance, cast_shadow):
+                recording.lights.append(
+                    SimpleNamespace(name=name, to_sun=to_sun, angle=angle, irradiance=irradiance,
+                                    cast_shadow=cast_shadow)
+                )  # fmt: skip
+                return super().add_sun(name, to_sun, angle, irradiance, cast_shadow)
+
             def set_camera(self, kind, matrix, window, clip):
                 recording.camera = SimpleNamespace(kind=kind, matrix=matrix, window=window, clip=clip)
                 return super().set_camera(kind, matrix, window, clip)

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Area lights: size, place, radiance by the version's law; what is left out is noted, what is broken is an error."""
+"""Lights: shape, place, power by the version's law; what is left out is noted, what is broken is an error."""
 
 import math
 
 import bpy
 import numpy as np
 import pytest
-from helpers import add_area_light, add_camera, add_plane, link, render_pixels
+from helpers import add_area_light, add_camera, add_light, add_plane, link, render_pixels
 from recording import record
 
 WATTS_PER_RADIANCE = 4.0 if bpy.app.version < (4, 0) else math.pi
@@ -95,25 +95,79 @@ def test_negative_power_takes_light_away(scene):
     np.testing.assert_allclose(render_pixels(scene)["Combined"][..., :3], 0.75 * strong, rtol=0.02)
 
 
-@pytest.mark.parametrize("kind", ["POINT", "SUN", "SPOT"])
-def test_other_lights_are_left_out_with_one_note(scene, recorded, capfd, kind):
-    data = bpy.data.lights.new("Data", kind)
-    for name in ("Lamp A", "Lamp B"):
-        link(scene, name, data)
+def test_point_and_spot(scene, recorded):
+    """Intensity P / (4 pi), whatever the radius; the spot's full angle in radians."""
+    add_light(scene, "POINT", power=20.0, color=(1.0, 0.5, 0.0), data={"shadow_soft_size": 0.3}, location=(1, 2, 3))
+    add_light(scene, "SPOT", "Spot", power=20.0, data={"spot_size": 1.2, "spot_blend": 0.4, "shadow_soft_size": 0.0})
+    point, spot = recorded().lights
+    np.testing.assert_allclose(point.intensity, 20 / (4 * math.pi) * np.array([1, 0.5, 0]), rtol=1e-6)
+    np.testing.assert_allclose(spot.intensity, 20 / (4 * math.pi), rtol=1e-6)
+    assert (point.radius, spot.radius) == (pytest.approx(0.3), 0.0)
+    assert list(point.matrix[:3, 3]) == [1, 2, 3]
+    assert not hasattr(point, "spot") and spot.spot == pytest.approx((1.2, 0.4))
+    before_4 = bpy.app.version < (4, 0)
+    assert point.shape == ("FACING_DISK" if before_4 or point_is_soft(scene) else "SPHERE")
+    assert spot.cosine_falloff == before_4
+
+
+def point_is_soft(scene) -> bool:
+    return getattr(scene.objects["Light"].data, "use_soft_falloff", False)
+
+
+def test_sun_shines_along_its_local_minus_z(scene, recorded):
+    add_light(scene, "SUN", power=3.0, data={"angle": 0.01}, rotation=(math.pi / 2, 0, 0), scale=(2, 2, 2))
+    (sun,) = recorded().lights
+    np.testing.assert_allclose(sun.to_sun / np.linalg.norm(sun.to_sun), (0, -1, 0), atol=1e-6)
+    assert sun.angle == pytest.approx(0.01)
+    np.testing.assert_allclose(sun.irradiance, 3.0, rtol=1e-4)  # a flat disk's mean cosine, in Blender 3
+
+
+def test_a_sun_of_more_than_the_sky_is_cut_with_a_note(scene, recorded):
+    add_light(scene, "SUN", power=3.0, data={"angle": 6.0})
     found = recorded()
-    assert found.lights == []
-    assert found.notes == [
-        f"light 'Lamp {x}': {kind.lower()} lights are not supported yet and were left out" for x in "AB"
-    ]
-    assert capfd.readouterr().out.count("Penumbra note: light 'Lamp A'") == 1
+    assert found.lights[0].angle == math.pi
+    assert found.notes == ["light 'Light': its angle was cut to 180 degrees"]
 
 
-def test_ignored_features_share_one_note(scene, recorded):
+@pytest.mark.parametrize("kind", ["POINT", "SPOT", "SUN"])
+def test_lights_without_power_are_left_out(scene, recorded, kind):
+    add_light(scene, kind, power=0.0)
+    assert recorded().lights == []
+
+
+def test_ignored_features_have_one_note(scene, recorded):
     light = add_area_light(scene).data
     light.spread = math.radians(90)
+    assert recorded().notes == ["light 'Light': spread below 180 degrees not supported yet and ignored"]
+
+
+def test_emission_nodes_multiply(scene, recorded):
+    light = add_light(scene, "POINT", power=4 * math.pi, color=(1.0, 0.5, 0.25)).data
     light.use_nodes = True
-    light.node_tree.nodes["Emission"].inputs["Strength"].default_value = 2.0
-    assert recorded().notes == ["light 'Light': spread below 180 degrees, nodes not supported yet and ignored"]
+    emission = light.node_tree.nodes["Emission"]
+    emission.inputs["Strength"].default_value = 2.0
+    emission.inputs["Color"].default_value = (0.5, 1.0, 1.0, 1.0)
+    found = recorded()
+    np.testing.assert_allclose(found.lights[0].intensity, (1.0, 1.0, 0.5), rtol=1e-6)
+    assert found.notes == []
+
+
+@pytest.mark.parametrize(("node", "socket"), [("ShaderNodeTexChecker", "Color"), ("ShaderNodeTexIES", "Strength")])
+def test_textured_emission_is_named(scene, recorded, node, socket):
+    light = add_light(scene, "POINT", power=4 * math.pi).data
+    light.use_nodes = True
+    tree = light.node_tree
+    texture = tree.nodes.new(node)
+    tree.links.new(texture.outputs[0], tree.nodes["Emission"].inputs[socket])
+    (note,) = recorded().notes
+    assert note.startswith(f"light 'Light': node {texture.name!r} at {socket!r} is not supported yet")
+
+
+def test_a_light_whose_output_is_not_linked_is_dark(scene, recorded):
+    light = add_light(scene, "POINT").data
+    light.use_nodes = True
+    light.node_tree.links.clear()
+    assert recorded().lights == []
 
 
 def test_untouched_nodes_are_no_reason_for_a_note(scene, recorded):
@@ -129,6 +183,19 @@ def test_untouched_nodes_are_no_reason_for_a_note(scene, recorded):
 def test_values_that_are_no_numbers_are_an_error_that_names_the_light(scene, name, value):
     add_camera(scene)
     set_first(add_area_light(scene, "Broken lamp"), name, value)
+    with pytest.raises(RuntimeError, match="light 'Broken lamp': its .* is not a finite number"):
+        render_pixels(scene)
+
+
+@pytest.mark.parametrize(
+    ("kind", "name"), [("POINT", "shadow_soft_size"), ("SPOT", "spot_blend"), ("SUN", "angle"), ("SUN", "energy")]
+)
+def test_other_lights_of_no_finite_size_are_an_error_too(scene, kind, name):
+    add_camera(scene)
+    light = add_light(scene, kind, "Broken lamp")
+    setattr(light.data, name, math.nan)
+    if not math.isnan(getattr(light.data, name)):
+        pytest.skip("Blender itself corrects the value")
     with pytest.raises(RuntimeError, match="light 'Broken lamp': its .* is not a finite number"):
         render_pixels(scene)
 

@@ -29,6 +29,11 @@ class Stage:
         radiance = white / ALBEDO * np.pi * z * z / (size[0] * size[1])
         self.scene.add_area_light("light", shape, translation(x, y, z), size, (radiance,) * 3, self.shadows)
 
+    def bulb(self, x, y, z, radius, white=1.0, **more):
+        """Intensity / (pi z^2) x albedo is the floor's radiance below a point."""
+        intensity = (white / ALBEDO * np.pi * z * z,) * 3
+        self.scene.add_point_light("bulb", translation(x, y, z), radius, intensity, self.shadows, **more)
+
 
 def leaves(count, size, seed, half=2.5, height=1.5):
     """Rhombi of random place and direction in a box over the floor."""
@@ -47,10 +52,14 @@ def open_floor(stage):
     stage.light(0.5, 0.5, 5, (2, 2))
 
 
-def solid_objects(stage):
+def solid_shapes(stage):
     stage.add(sphere([-1.2, 0.8, 1.0], 1.0, 32))
     stage.add(box([0.5, -1.5, 0.0], [1.7, -0.4, 1.4]))
     stage.add(sphere([1.5, 1.6, 0.5], 0.5, 24), scaling(1, 1, 1.6))
+
+
+def solid_objects(stage):
+    solid_shapes(stage)
     stage.light(2.0, -2.0, 5, (1.5, 1.5))
 
 
@@ -97,7 +106,28 @@ def many_luminaires(stage):
         stage.light(-4.5 + 3 * (i % 4), -4.5 + 3 * (i // 4), 4, (0.4, 0.4), white=0.25)
 
 
-SCENES = (open_floor, solid_objects, slanted_fence, wires, blinds, foliage, ellipse_and_square, many_luminaires)
+def ball(stage):
+    solid_shapes(stage)
+    stage.bulb(2.0, -2.0, 4.0, 0.5)
+
+
+def spots(stage):
+    solid_shapes(stage)
+    stage.add(leaves(200, 0.2, seed=75))
+    stage.bulb(2.5, -1.0, 4.0, 0.3, 0.6, spot=(1.2, 0.3))
+    stage.bulb(-3.0, 1.0, 4.0, 0.0, 0.4, spot=(1.5, 1.0), cosine_falloff=True)
+
+
+def sunny(stage):
+    solid_shapes(stage)
+    stage.add(leaves(300, 0.2, seed=76))
+    irradiance = (0.6 * np.pi / ALBEDO,) * 3
+    stage.scene.add_sun("sun", (1.0, -0.7, 1.5), np.radians(6), irradiance, stage.shadows)
+    stage.scene.add_sun("sharp", (-0.8, -0.2, 1.5), 0.0, tuple(0.5 * e for e in irradiance), stage.shadows)
+
+
+SCENES = (open_floor, solid_objects, slanted_fence, wires, blinds, foliage, ellipse_and_square, many_luminaires,
+          ball, spots, sunny)  # fmt: skip
 
 
 def make(function, shadows=True):

@@ -10,7 +10,19 @@ import functools
 import numpy as np
 import penumbra_native as pn
 import pytest
-from promise_scenes import SCENES, foliage, make, many_luminaires, open_floor, slanted_fence, solid_objects, wires
+from promise_scenes import (
+    SCENES,
+    ball,
+    foliage,
+    make,
+    many_luminaires,
+    open_floor,
+    slanted_fence,
+    solid_objects,
+    spots,
+    sunny,
+    wires,
+)
 from scenes import add, floor, light_above, look_down, render
 
 WIDTH, HEIGHT = 96, 72
@@ -59,7 +71,7 @@ def test_coverage_at_a_thousandth(scene):
     assert missed.sum() <= most_misses(missed.size), f"{100 * missed.mean():.2f} % of the pixels"
 
 
-@pytest.mark.parametrize("scene", [solid_objects, slanted_fence, wires, foliage])
+@pytest.mark.parametrize("scene", [solid_objects, slanted_fence, wires, foliage, ball, spots, sunny])
 def test_papers_rule_fails_the_same_test(scene):
     missed = misses(scene, "PAPER", 0.004)
     assert missed.sum() > most_misses(missed.size)

@@ -10,7 +10,17 @@ import functools
 
 import numpy as np
 import pytest
-from promise_scenes import blinds, ellipse_and_square, make, open_floor, slanted_fence, solid_objects, wires
+from promise_scenes import (
+    ball,
+    blinds,
+    ellipse_and_square,
+    make,
+    open_floor,
+    slanted_fence,
+    solid_objects,
+    sunny,
+    wires,
+)
 from scenes import render
 from test_bounded import most_misses
 
@@ -35,7 +45,9 @@ def filtered(scene, **settings):
 
 
 @pytest.mark.parametrize("tolerance", [0.02, 0.004])
-@pytest.mark.parametrize("scene", [open_floor, solid_objects, slanted_fence, wires, blinds, ellipse_and_square])
+@pytest.mark.parametrize(
+    "scene", [open_floor, solid_objects, slanted_fence, wires, blinds, ellipse_and_square, ball, sunny]
+)
 def test_coverage(scene, tolerance):
     picture, true = filtered(scene, error_tolerance=tolerance), reference(scene)
     error = np.abs(picture["Combined"] - true).max(axis=-1)  # alpha, too

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Luminaires: Blender's area lights.
+"""Luminaires: Blender's area, point, spot and sun lights.
 
-Other kinds of light are left out, features beyond shape, size, power, colour and shadow are ignored, with one note per
-light. A light of negative power takes light away, as in Cycles. One of no power or no area gives none and is left out.
+What a light asks for beyond what Penumbra does is ignored, with one note per light. A light of negative power takes
+light away, as in Cycles. One of no power or no area gives none and is left out.
 """
 
 import math
@@ -12,49 +12,52 @@ import numpy as np
 from .. import compat
 from ..notes import Notes
 from .errors import ExportError
-from .nodes import follow, socket_colour
+from .nodes import follow, socket_colour, socket_value
+from .radiometry import Colour, area_radiance, point_intensity, scaled, sun_irradiance
 
 SHAPES = {"SQUARE": "RECTANGLE", "RECTANGLE": "RECTANGLE", "DISK": "ELLIPSE", "ELLIPSE": "ELLIPSE"}
-LATER_PROPERTIES = {"exposure": 0.0, "normalize": True, "use_temperature": False}
-"""Properties that area lights have from Blender 4.5 on, with the values that change nothing."""
+WIDEST_SUN = math.pi
+"""Blender allows more; a sun cannot fill more than half the sky."""
 
 
-def area_radiance(power: float, colour: tuple[float, float, float], area: float) -> tuple[float, float, float]:
-    """Radiance (r, g, b) in W/(sr m^2) leaving the emitting side of an area light.
-
-    power: Blender's watts. area: the true area in square metres, the object's scale included. The law is Blender's own,
-    which changed with 4.0: P / (4 A) before, P / (pi A), the radiance of a Lambertian emitter of P watts, since.
-    """
-    divisor = 4.0 if compat.AREA_LIGHT_WATTS_OVER_FOUR_AREAS else math.pi
-    return tuple(power * component / (divisor * area) for component in colour)
-
-
-def has_plain_nodes(light) -> bool:
-    """Whether a light has no nodes, or only those it starts with: a white Emission of strength 1."""
+def node_emission(light, issues: list[str]) -> Colour:
+    """What a light's nodes multiply its power and colour with; what they ask for beyond that is added to `issues`."""
     tree = compat.node_tree(light)
     if tree is None:
-        return True
+        return 1.0, 1.0, 1.0
     output = tree.get_output_node("CYCLES") or tree.get_output_node("EEVEE")
     emission = follow(output.inputs["Surface"]) if output else None
-    if emission is None or emission.bl_idname != "ShaderNodeEmission":
-        return False
-    issues: list[str] = []
-    colour, strength = socket_colour(emission.inputs["Color"], issues), emission.inputs["Strength"]
-    return not issues and colour == (1.0, 1.0, 1.0) and not strength.is_linked and strength.default_value == 1.0
+    if emission is None:
+        return 0.0, 0.0, 0.0
+    if emission.bl_idname != "ShaderNodeEmission" or emission.mute:
+        issues.append(f"node {emission.name!r} is not supported yet; plain emission was used")
+        return 1.0, 1.0, 1.0
+    strength = socket_value(emission.inputs["Strength"], issues)
+    return scaled(strength, socket_colour(emission.inputs["Color"], issues))
 
 
 def ignored_features(light_object) -> list[str]:
-    """What an area light asks for that Penumbra does not do yet."""
+    """What a light asks for that Penumbra does not do yet."""
     light = light_object.data
-    found = [name for name, plain in LATER_PROPERTIES.items() if getattr(light, name, plain) != plain]
-    if light.spread < math.radians(179.9):
+    found = []
+    if not getattr(light, "normalize", True):  # Blender 4.5+
+        found.append("normalize off")
+    if light.type == "AREA" and light.spread < math.radians(179.9):
         found.append("spread below 180 degrees")
-    if not has_plain_nodes(light):
-        found.append("nodes")
     linking = getattr(light_object, "light_linking", None)  # Blender 4.0+
     if linking and (linking.receiver_collection or linking.blocker_collection):
         found.append("light linking")
     return found
+
+
+def oriented(matrix: np.ndarray) -> np.ndarray:
+    """A rigid transform with the place of `matrix` and the direction of its z axis."""
+    z = matrix[:3, 2] / np.linalg.norm(matrix[:3, 2])
+    x = np.cross(np.eye(3)[np.argmin(abs(z))], z)
+    x /= np.linalg.norm(x)
+    result = np.eye(4)
+    result[:3] = np.stack([x, np.cross(z, x), z, matrix[:3, 3]], axis=1)
+    return result
 
 
 class Luminaires:
@@ -65,30 +68,75 @@ class Luminaires:
 
     def add(self, instance) -> None:
         """Adds one entry of depsgraph.object_instances whose object is a light."""
-        light = instance.object.data
-        name = f"light {instance.object.name!r}"
-        if light.type != "AREA":
-            self._notes.add(f"{name}: {light.type.lower()} lights are not supported yet and were left out")
-            return
+        light, name = instance.object.data, f"light {instance.object.name!r}"
         if getattr(getattr(light, "cycles", None), "is_portal", False):
             self._notes.add(f"{name}: portals are not supported yet and were left out")
             return
-        size = light.size, light.size_y if light.shape in ("RECTANGLE", "ELLIPSE") else light.size
         matrix = np.array(instance.matrix_world, dtype=np.float64)
-        colour = tuple(light.color)
-        for what, values in (("power", light.energy), ("colour", colour), ("size", size), ("transform", matrix)):
+        for what, values in (("power", light.energy), ("colour", tuple(light.color)), ("transform", matrix)):
             if not np.isfinite(values).all():
                 raise ExportError(f"{name}: its {what} is not a finite number")
+        issues: list[str] = []
+        colour = tuple(np.multiply(node_emission(light, issues), compat.light_colour(light)))
+        if not np.isfinite(colour).all():
+            raise ExportError(f"{name}: the emission of its nodes is not a finite number")
         if light.energy == 0 or not any(colour):
             return
+        if found := ignored_features(instance.object):
+            issues.append(f"{', '.join(found)} not supported yet and ignored")
+        add = {"AREA": self._add_area, "POINT": self._add_point, "SPOT": self._add_point, "SUN": self._add_sun}
+        add[light.type](instance.object, matrix, colour, issues)
+        if issues:
+            self._notes.add(f"{name}: {'; '.join(issues)}")
+
+    def _add_area(self, light_object, matrix: np.ndarray, colour: Colour, issues: list[str]) -> None:
+        light = light_object.data
+        size = light.size, light.size_y if light.shape in ("RECTANGLE", "ELLIPSE") else light.size
+        check_finite(light_object, "size", size)
         shape = SHAPES[light.shape]
         area = self._scene.area_of(shape, matrix, size)
         if area == 0:
-            self._notes.add(f"{name}: its area is zero, so it gives no light")
+            issues[:] = ["its area is zero, so it gives no light"]
             return
-        if found := ignored_features(instance.object):
-            self._notes.add(f"{name}: {', '.join(found)} not supported yet and ignored")
         self._scene.add_area_light(
-            instance.object.name, shape, matrix, size, area_radiance(light.energy, colour, area),
+            light_object.name, shape, matrix, size, area_radiance(light.energy, colour, area),
             cast_shadow=compat.light_casts_shadows(light),
         )  # fmt: skip
+
+    def _add_point(self, light_object, matrix: np.ndarray, colour: Colour, issues: list[str]) -> None:
+        light = light_object.data
+        check_finite(light_object, "radius", light.shadow_soft_size)
+        cone = {}
+        if light.type == "SPOT":
+            check_finite(light_object, "cone", (light.spot_size, light.spot_blend))
+            if np.linalg.det(matrix[:3, :3]) == 0:
+                issues[:] = ["its scale is zero, so it gives no light"]
+                return
+            cone = {"spot": (light.spot_size, light.spot_blend), "cosine_falloff": compat.SPOT_HAS_COSINE}
+            if compat.SPOT_IGNORES_SCALE:
+                matrix = oriented(matrix)
+        self._scene.add_point_light(
+            light_object.name, matrix, light.shadow_soft_size, point_intensity(light.energy, colour),
+            cast_shadow=compat.light_casts_shadows(light),
+            shape="SPHERE" if compat.light_is_sphere(light) else "FACING_DISK", **cone,
+        )  # fmt: skip
+
+    def _add_sun(self, light_object, matrix: np.ndarray, colour: Colour, issues: list[str]) -> None:
+        light = light_object.data
+        check_finite(light_object, "angle", light.angle)
+        if not matrix[:3, 2].any():
+            issues[:] = ["its scale is zero, so it gives no light"]
+            return
+        angle = min(light.angle, WIDEST_SUN)
+        if angle < light.angle:
+            issues.append("its angle was cut to 180 degrees")
+        self._scene.add_sun(
+            light_object.name, matrix[:3, 2], angle, sun_irradiance(light.energy, colour, angle),
+            cast_shadow=compat.light_casts_shadows(light),
+        )  # fmt: skip
+
+
+def check_finite(light_object, what: str, values) -> None:
+    """Raises ExportError naming the light if one of the values is no finite number."""
+    if not np.isfinite(values).all():
+        raise ExportError(f"light {light_object.name!r}: its {what} is not a finite number")
