@@ -205,7 +205,8 @@ void BlockLight::gate() {
     for (size_t i = begin; i < end; ++i) {
       if (luminaires_[items_[i].luminaire].is_point()) continue;         // one ray told all
       const bool blind = !items_[i].first_lit && !items_[i].first_dark;  // all four below the horizon
-      items_[i].uncertain = seen[pixel(items_[i])] == (kLit | kDark) || blind;
+      const bool unproven = luminaires_[items_[i].luminaire].is_wide();  // until the flood's 16 points
+      items_[i].uncertain = seen[pixel(items_[i])] == (kLit | kDark) || blind || unproven;
     }
     begin = end;
   }

@@ -27,6 +27,8 @@ class Emitter {
   virtual bool dark() const { return false; }
   /// Light comes from one point or direction: all points are the same, and one ray tells all.
   virtual bool is_point() const { return false; }
+  /// It fills so much of the view that small parts of it may be hidden anywhere: a few rays prove nothing.
+  virtual bool is_wide() const { return false; }
 
   /// No point of it is both above the surface's horizon and sending light there.
   virtual bool unseen_from(const SurfacePoint& surface) const { return form_factor(surface) <= 0; }

@@ -14,10 +14,13 @@ namespace penumbra {
 class Luminaire {
  public:
   Luminaire(const LuminaireDescription& description, const Normalization& normalization);
+  Luminaire(std::shared_ptr<const Emitter> emitter, const Vec3d& radiance, bool cast_shadow)
+      : emitter_(std::move(emitter)), radiance_(radiance), cast_shadow_(cast_shadow) {}
 
   /// The luminaire emits nothing: no power or no area.
   bool dark() const { return max_abs(radiance_) == 0 || emitter_->dark(); }
   bool is_point() const { return emitter_->is_point(); }
+  bool is_wide() const { return emitter_->is_wide(); }
   bool unseen_from(const SurfacePoint& surface) const { return emitter_->unseen_from(surface); }
   double form_factor(const SurfacePoint& surface) const { return emitter_->form_factor(surface); }
   void form_factors(const SurfaceColumns& surfaces, double* out) const {

@@ -33,6 +33,13 @@ py::array_t<T, py::array::c_style | py::array::forcecast> contiguous(const py::a
   return py::array_t<T, py::array::c_style | py::array::forcecast>(array);
 }
 
+std::vector<Vec3f> read_vectors(const py::array& array, size_t count) {
+  const auto values = contiguous<float>(array);
+  std::vector<Vec3f> result(count);
+  if (count) std::memcpy(static_cast<void*>(result.data()), values.data(), count * sizeof(Vec3f));
+  return result;
+}
+
 }  // namespace
 
 void check_shape(const py::array& array, const std::vector<py::ssize_t>& shape, const std::string& name,
@@ -91,11 +98,13 @@ std::vector<std::array<uint32_t, 3>> read_triangles(const py::array& array, cons
 std::vector<Vec3f> read_corner_normals(const py::array& array, const std::string& name) {
   check_shape(array, {kAny, 3, 3}, name, "corner_normals");
   check_kind(array, "f", "a floating point type", name, "corner_normals");
-  const auto values = contiguous<float>(array);
-  std::vector<Vec3f> result(size_t(array.shape(0)) * 3);
-  if (!result.empty())
-    std::memcpy(static_cast<void*>(result.data()), values.data(), result.size() * sizeof(Vec3f));
-  return result;
+  return read_vectors(array, size_t(array.shape(0)) * 3);
+}
+
+std::vector<Vec3f> read_colors(const py::array& array, const std::string& name, const char* argument) {
+  check_shape(array, {kAny, kAny, 3}, name, argument);
+  check_kind(array, "f", "a floating point type", name, argument);
+  return read_vectors(array, size_t(array.shape(0)) * size_t(array.shape(1)));
 }
 
 std::vector<uint32_t> read_slots(const py::array& array, const std::string& name) {

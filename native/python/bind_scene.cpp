@@ -5,7 +5,6 @@
 #include <chrono>
 #include <stdexcept>
 
-#include "luminaire/flat_emitter.h"
 #include "python/arrays.h"
 #include "python/bindings.h"
 
@@ -37,40 +36,6 @@ uint32_t add_mesh(PythonScene& self, const std::string& name, const py::array& p
   return self.scene->add_mesh(std::move(mesh));
 }
 
-LuminaireShape shape_from_name(const std::string& shape, const std::string& name) {
-  if (shape == "RECTANGLE") return LuminaireShape::kRectangle;
-  if (shape == "ELLIPSE") return LuminaireShape::kEllipse;
-  throw py::value_error(name + ": shape is '" + shape + "', expected RECTANGLE or ELLIPSE");
-}
-
-void add_area_light(PythonScene& self, const std::string& name, const std::string& shape,
-                    const py::array& world_from_light, const Pair& size, const Color& radiance,
-                    bool cast_shadow) {
-  self.scene->add_luminaire({name, shape_from_name(shape, name),
-                             read_transform(world_from_light, name, "world_from_light"), size[0], size[1],
-                             vec(radiance), cast_shadow});
-}
-
-RoundShape round_shape_from_name(const std::string& shape, const std::string& name) {
-  if (shape == "SPHERE") return RoundShape::kSphere;
-  if (shape == "FACING_DISK") return RoundShape::kFacingDisk;
-  throw py::value_error(name + ": shape is '" + shape + "', expected SPHERE or FACING_DISK");
-}
-
-void add_point_light(PythonScene& self, const std::string& name, const py::array& world_from_light,
-                     double radius, const Color& intensity, bool cast_shadow, const std::string& shape,
-                     const std::optional<Pair>& spot, bool cosine_falloff) {
-  PointLuminaire light{name,
-                       round_shape_from_name(shape, name),
-                       read_transform(world_from_light, name, "world_from_light"),
-                       radius,
-                       vec(intensity),
-                       cast_shadow,
-                       {}};
-  if (spot) light.spot = SpotCone{(*spot)[0], (*spot)[1], cosine_falloff};
-  self.scene->add_luminaire(std::move(light));
-}
-
 void set_camera(PythonScene& self, const std::string& kind, const py::array& world_from_camera,
                 const std::array<double, 4>& window, const Pair& clip) {
   if (kind != "PERSPECTIVE" && kind != "ORTHOGRAPHIC")
@@ -91,12 +56,12 @@ void PythonScene::build(uint64_t memory_limit) {
 }
 
 void bind_scene(py::module_& module) {
-  py::class_<PythonScene>(module, "Scene",
-                          R"(What is to be rendered, in world space (metres), double precision.
+  py::class_<PythonScene> scene(module, "Scene",
+                                R"(What is to be rendered, in world space (metres), double precision.
 
 Every method raises ValueError with the object's name in the text where its arguments make no sense. Arrays are
-copied. Once a Render was made of the scene, meshes and instances are fixed; the rest may still change.)")
-      .def(py::init<>())
+copied. Once a Render was made of the scene, meshes and instances are fixed; the rest may still change.)");
+  scene.def(py::init<>())
       .def("add_mesh", &add_mesh, py::arg("name"), py::arg("positions"), py::arg("triangles"),
            py::arg("corner_normals") = py::none(), py::arg("material_slots") = py::none(),
            R"(Adds triangles in object space and returns the mesh's number.
@@ -124,52 +89,12 @@ Returns the material's number.)")
           py::arg("name"), py::arg("mesh"), py::arg("world_from_object"), py::arg("materials"),
           R"(Places a mesh. world_from_object: (4, 4) float64. materials: numbers of materials, one a slot; slots beyond
 the end use the last one.)")
-      .def("add_area_light", &add_area_light, py::arg("name"), py::arg("shape"), py::arg("world_from_light"),
-           py::arg("size"), py::arg("radiance"), py::arg("cast_shadow") = true,
-           R"(Adds a flat, one-sided luminaire in its local xy plane, emitting towards local -z.
-
-shape: RECTANGLE or ELLIPSE. size: full extents (x, y) before the transform. radiance: (r, g, b), W/(sr m^2).)")
-      .def("add_point_light", &add_point_light, py::arg("name"), py::arg("world_from_light"),
-           py::arg("radius"), py::arg("intensity"), py::arg("cast_shadow") = true,
-           py::arg("shape") = "SPHERE", py::arg("spot") = py::none(), py::arg("cosine_falloff") = false,
-           R"(Adds a luminaire around a point, of radiance intensity / (pi radius^2).
-
-radius: world units; 0 is a point. intensity: (r, g, b), W/sr. shape: SPHERE, or FACING_DISK, a disk that faces whoever
-looks at it. spot: (full angle in radians, blend 0 ... 1) of a cone around local -z, None for light in all directions;
-cosine_falloff multiplies it with the cosine to the axis.)")
-      .def(
-          "add_sun",
-          [](PythonScene& self, const std::string& name, const Color& to_sun, double angle,
-             const Color& irradiance, bool cast_shadow) {
-            self.scene->add_luminaire(
-                SunLuminaire{name, vec(to_sun), angle / 2, vec(irradiance), cast_shadow});
-          },
-          py::arg("name"), py::arg("to_sun"), py::arg("angle"), py::arg("irradiance"),
-          py::arg("cast_shadow") = true,
-          R"(Adds a disk of directions of constant radiance, infinitely far away.
-
-to_sun: direction (x, y, z). angle: diameter in radians, 0 ... pi; 0 is one direction. irradiance: (r, g, b), W/m^2 of a
-surface that faces it.)")
-      .def_static(
-          "area_of",
-          [](const std::string& shape, const py::array& world_from_light, const Pair& size) {
-            return area_of(shape_from_name(shape, "area_of"),
-                           read_transform(world_from_light, "area_of", "world_from_light"), size[0], size[1]);
-          },
-          py::arg("shape"), py::arg("world_from_light"), py::arg("size"),
-          "True area |M x_axis x M y_axis| of a luminaire, m^2.")
       .def(
           "set_camera", &set_camera, py::arg("kind"), py::arg("world_from_camera"), py::arg("window"),
           py::arg("clip"),
           R"(kind: PERSPECTIVE or ORTHOGRAPHIC, looking along local -z. window: (left, right, bottom, top) of the full
-frame, in the plane z = -1 or in world units. clip: (start, end) along the view axis.)")
-      .def(
-          "set_background",
-          [](PythonScene& self, const Color& color, bool transparent) {
-            self.scene->set_background({vec(color), transparent});
-          },
-          py::arg("color"), py::arg("transparent") = false,
-          "Radiance (r, g, b) seen where nothing is hit; transparent: alpha 0 there for the camera.");
+frame, in the plane z = -1 or in world units. clip: (start, end) along the view axis.)");
+  bind_luminaires(scene);
 }
 
 }  // namespace penumbra::python

@@ -280,8 +280,9 @@ void FilteredBlock::find_uncertain() {
     for (uint32_t p = 0; p < block_.pixels(); ++p)
       flags[p] = uint8_t((slots(p)[s].lit ? kLit : 0) | (slots(p)[s].dark ? kDark : 0));
     spread(flags, block_.width, block_.height, kGateReach);
+    const bool wide = c_.luminaires[s / (phong_ ? 2 : 1) % c_.luminaires.size()].is_wide();
     for (uint32_t p = 0; p < block_.pixels(); ++p)
-      if (flags[p] == (kLit | kDark)) mark_uncertain(p, s);
+      if (flags[p] == (kLit | kDark) || (wide && flags[p])) mark_uncertain(p, s);
   }
   for (uint32_t p = 0; p < block_.pixels(); ++p) mark_unseen(p);
 }

@@ -10,10 +10,9 @@ PathEnd PathTracer::follow(Ray ray, Hit hit, uint32_t pixel, uint64_t stream, st
   end.hit = hit.found();
   if (!end.hit) {
     if (!background.transparent) {
-      end.background = background.color;
+      if (background.seen_by_camera) end.background = background.radiance(ray.direction);
       end.alpha = 1;
     }
-
     return end;
   }
   end.alpha = 1;
@@ -33,7 +32,7 @@ PathEnd PathTracer::follow(Ray ray, Hit hit, uint32_t pixel, uint64_t stream, st
     geometry_.intersect(&ray, 1, &hit);
     ++mirror_rays;
     if (!hit.found()) {
-      end.background = throughput * background.color;
+      end.background = throughput * background.radiance(ray.direction);
       return end;
     }
   }

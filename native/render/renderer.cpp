@@ -12,6 +12,7 @@
 
 #include "lighting/bounded_light.h"
 #include "lighting/direct_light.h"
+#include "luminaire/sky.h"
 #include "math/simd.h"
 #include "render/debug_pixel.h"
 #include "render/filtered_block.h"
@@ -40,10 +41,10 @@ RenderSettings affordable(const RenderSettings& given) {
 
 std::vector<Luminaire> emitting_luminaires(const Scene& scene, const Normalization& normalization) {
   std::vector<Luminaire> luminaires;
-  for (const LuminaireDescription& description : scene.luminaires()) {
-    const Luminaire luminaire(description, normalization);
-    if (!luminaire.dark()) luminaires.push_back(luminaire);
-  }
+  for (const LuminaireDescription& description : scene.luminaires())
+    luminaires.emplace_back(description, normalization);
+  for (Luminaire& part : sky_luminaires(scene.background())) luminaires.push_back(std::move(part));
+  std::erase_if(luminaires, [](const Luminaire& luminaire) { return luminaire.dark(); });
   return luminaires;
 }
 

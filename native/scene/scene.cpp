@@ -148,8 +148,19 @@ void Scene::set_camera(const Camera& camera) {
 
 void Scene::set_background(const Background& background) {
   if (!is_finite(background.color)) refuse("background", "the colour is not finite");
-  background_ = background;
   hash_ = hash_of(hash_bytes(hash_, &background.color, sizeof(Vec3d)), background.transparent);
+  hash_ = hash_of(hash_of(hash_, background.lights), background.seen_by_camera);
+  if (const Environment* sky = background.environment.get()) {
+    if (sky->pixels.empty() || sky->pixels.size() != size_t(sky->width) * sky->height)
+      refuse("background", "the picture has no pixels");
+    for (const Vec3f& pixel : sky->pixels)
+      if (!is_finite(pixel)) refuse("background", "the picture has pixels that are not finite");
+    if (!sky->local_from_world.finite() || sky->local_from_world.determinant() == 0)
+      refuse("background", "the picture's rotation is not finite or singular");
+    hash_ = hash_array(hash_of(hash_, sky->width), sky->pixels);
+    hash_ = hash_bytes(hash_, &sky->local_from_world, sizeof(Affine));
+  }
+  background_ = background;
 }
 
 const Camera& Scene::camera() const {

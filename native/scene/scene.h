@@ -4,11 +4,13 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "math/transform.h"
+#include "scene/environment.h"
 #include "scene/luminaires.h"
 
 namespace penumbra {
@@ -46,9 +48,17 @@ struct Camera {
   double clip_start = 0.1, clip_end = 1000;  // along the view axis
 };
 
+/// What is seen beyond all surfaces.
 struct Background {
   Vec3d color;
   bool transparent = false;
+  std::shared_ptr<const Environment> environment = {};  // times `color`; none: `color` everywhere
+  bool lights = false;                                  // it lights the scene
+  bool seen_by_camera = true;
+
+  Vec3d radiance(const Vec3d& to_sky) const {
+    return environment ? color * environment->radiance(to_sky) : color;
+  }
 };
 
 /// Adders check what they are given and throw std::invalid_argument with the object's name in the text.

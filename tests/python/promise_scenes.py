@@ -126,8 +126,24 @@ def sunny(stage):
     stage.scene.add_sun("sharp", (-0.8, -0.2, 1.5), 0.0, tuple(0.5 * e for e in irradiance), stage.shadows)
 
 
+def overcast(stage):
+    solid_shapes(stage)
+    stage.scene.set_background((0.9 / ALBEDO,) * 3, lights=stage.shadows)
+
+
+def garden(stage):
+    """Leaves under a coloured sky with a bright disk; red is what the tests look at."""
+    solid_shapes(stage)
+    stage.add(leaves(300, 0.2, seed=77))
+    y, x = np.mgrid[0:64, 0:128]
+    sky = np.stack([0.3 + 0.2 * y / 64, 0.3 + 0.3 * y / 64, 0.3 + 0.7 * y / 64], axis=-1)
+    sky[(x - 40) ** 2 + (y - 50) ** 2 < 5] = (60, 55, 45)
+    sky = sky.astype(np.float32)
+    stage.scene.set_background((0.8,) * 3, lights=stage.shadows, image=sky, local_from_world=rotation([0, 0, 1], 50))
+
+
 SCENES = (open_floor, solid_objects, slanted_fence, wires, blinds, foliage, ellipse_and_square, many_luminaires,
-          ball, spots, sunny)  # fmt: skip
+          ball, spots, sunny, overcast, garden)  # fmt: skip
 
 
 def make(function, shadows=True):

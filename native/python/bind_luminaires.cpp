@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What gives light, of penumbra_native.Scene: luminaires and the background.
+#include <pybind11/stl.h>
+
+#include "luminaire/flat_emitter.h"
+#include "python/arrays.h"
+#include "python/bindings.h"
+
+namespace penumbra::python {
+namespace {
+
+using Color = std::array<double, 3>;
+using Pair = std::array<double, 2>;
+
+Vec3d vec(const Color& c) {
+  return {c[0], c[1], c[2]};
+}
+
+LuminaireShape shape_from_name(const std::string& shape, const std::string& name) {
+  if (shape == "RECTANGLE") return LuminaireShape::kRectangle;
+  if (shape == "ELLIPSE") return LuminaireShape::kEllipse;
+  throw py::value_error(name + ": shape is '" + shape + "', expected RECTANGLE or ELLIPSE");
+}
+
+void add_area_light(PythonScene& self, const std::string& name, const std::string& shape,
+                    const py::array& world_from_light, const Pair& size, const Color& radiance,
+                    bool cast_shadow) {
+  self.scene->add_luminaire({name, shape_from_name(shape, name),
+                             read_transform(world_from_light, name, "world_from_light"), size[0], size[1],
+                             vec(radiance), cast_shadow});
+}
+
+RoundShape round_shape_from_name(const std::string& shape, const std::string& name) {
+  if (shape == "SPHERE") return RoundShape::kSphere;
+  if (shape == "FACING_DISK") return RoundShape::kFacingDisk;
+  throw py::value_error(name + ": shape is '" + shape + "', expected SPHERE or FACING_DISK");
+}
+
+void add_point_light(PythonScene& self, const std::string& name, const py::array& world_from_light,
+                     double radius, const Color& intensity, bool cast_shadow, const std::string& shape,
+                     const std::optional<Pair>& spot, bool cosine_falloff) {
+  PointLuminaire light{name,
+                       round_shape_from_name(shape, name),
+                       read_transform(world_from_light, name, "world_from_light"),
+                       radius,
+                       vec(intensity),
+                       cast_shadow,
+                       {}};
+  if (spot) light.spot = SpotCone{(*spot)[0], (*spot)[1], cosine_falloff};
+  self.scene->add_luminaire(std::move(light));
+}
+
+void set_background(PythonScene& self, const Color& color, bool transparent, bool lights, bool seen_by_camera,
+                    const std::optional<py::array>& image, const std::optional<py::array>& local_from_world,
+                    bool smooth) {
+  Background background{vec(color), transparent, {}, lights, seen_by_camera};
+  if (image) {
+    const auto sky = std::make_shared<Environment>();
+    sky->pixels = read_colors(*image, "background", "image");
+    sky->width = uint32_t(image->shape(1));
+    sky->height = uint32_t(image->shape(0));
+    sky->smooth = smooth;
+    if (local_from_world)
+      sky->local_from_world = read_transform(*local_from_world, "background", "local_from_world");
+    background.environment = sky;
+  }
+  self.scene->set_background(background);
+}
+
+}  // namespace
+
+void bind_luminaires(py::class_<PythonScene>& scene) {
+  scene
+      .def("add_area_light", &add_area_light, py::arg("name"), py::arg("shape"), py::arg("world_from_light"),
+           py::arg("size"), py::arg("radiance"), py::arg("cast_shadow") = true,
+           R"(Adds a flat, one-sided luminaire in its local xy plane, emitting towards local -z.
+
+shape: RECTANGLE or ELLIPSE. size: full extents (x, y) before the transform. radiance: (r, g, b), W/(sr m^2).)")
+      .def("add_point_light", &add_point_light, py::arg("name"), py::arg("world_from_light"),
+           py::arg("radius"), py::arg("intensity"), py::arg("cast_shadow") = true,
+           py::arg("shape") = "SPHERE", py::arg("spot") = py::none(), py::arg("cosine_falloff") = false,
+           R"(Adds a luminaire around a point, of radiance intensity / (pi radius^2).
+
+radius: world units; 0 is a point. intensity: (r, g, b), W/sr. shape: SPHERE, or FACING_DISK, a disk that faces whoever
+looks at it. spot: (full angle in radians, blend 0 ... 1) of a cone around local -z, None for light in all directions;
+cosine_falloff multiplies it with the cosine to the axis.)")
+      .def(
+          "add_sun",
+          [](PythonScene& self, const std::string& name, const Color& to_sun, double angle,
+             const Color& irradiance, bool cast_shadow) {
+            self.scene->add_luminaire(
+                SunLuminaire{name, vec(to_sun), angle / 2, vec(irradiance), cast_shadow});
+          },
+          py::arg("name"), py::arg("to_sun"), py::arg("angle"), py::arg("irradiance"),
+          py::arg("cast_shadow") = true,
+          R"(Adds a disk of directions of constant radiance, infinitely far away.
+
+to_sun: direction (x, y, z). angle: diameter in radians, 0 ... pi; 0 is one direction. irradiance: (r, g, b), W/m^2 of a
+surface that faces it.)")
+      .def_static(
+          "area_of",
+          [](const std::string& shape, const py::array& world_from_light, const Pair& size) {
+            return area_of(shape_from_name(shape, "area_of"),
+                           read_transform(world_from_light, "area_of", "world_from_light"), size[0], size[1]);
+          },
+          py::arg("shape"), py::arg("world_from_light"), py::arg("size"),
+          "True area |M x_axis x M y_axis| of a luminaire, m^2.")
+      .def("set_background", &set_background, py::arg("color"), py::arg("transparent") = false,
+           py::arg("lights") = false, py::arg("seen_by_camera") = true, py::arg("image") = py::none(),
+           py::arg("local_from_world") = py::none(), py::arg("smooth") = true,
+           R"(What is seen where nothing is hit; transparent: alpha 0 there for the camera.
+
+color: radiance (r, g, b), or what an image is multiplied with. lights: it lights the scene. image: (height, width, 3)
+float32, equirectangular, rows from straight down up, columns from azimuth pi down to -pi. local_from_world: (4, 4)
+float64, its rotation. smooth: interpolated between pixels' centres.)");
+}
+
+}  // namespace penumbra::python
