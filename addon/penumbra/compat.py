@@ -67,6 +67,12 @@ def node_tree(datablock):
     return datablock.node_tree
 
 
+def world_visibility(world) -> dict[str, bool]:
+    """Whether camera, diffuse and glossy rays see a world; all do where it has no such switches."""
+    switches = getattr(world, "cycles_visibility", None)
+    return {name: getattr(switches, name, True) for name in ("camera", "diffuse", "glossy")}
+
+
 def light_is_sphere(light) -> bool:
     """Whether a point light or spot is a sphere, not a disk that faces whoever looks at it.
 

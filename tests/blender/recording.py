@@ -66,9 +66,9 @@ class Recording:
                 recording.camera = SimpleNamespace(kind=kind, matrix=matrix, window=window, clip=clip)
                 return super().set_camera(kind, matrix, window, clip)
 
-            def set_background(self, color, transparent):
-                recording.background = SimpleNamespace(color=color, transparent=transparent)
-                return super().set_background(color, transparent)
+            def set_background(self, **background):
+                recording.background = SimpleNamespace(**background)
+                return super().set_background(**background)
 
         return Scene()
 

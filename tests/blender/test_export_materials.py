@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Materials become Lambert's law with the right colour, and one note says what was left out. The world's colour."""
+"""Materials become Lambert's law with the right colour, and one note says what was left out."""
 
 import bpy
 import numpy as np
@@ -145,17 +145,6 @@ def test_the_view_layers_override_replaces_every_material(lit_scene, recorded):
 def test_a_colour_that_is_no_number_names_the_material(colour_of):
     with pytest.raises(RuntimeError, match="material 'Odd': its colour is not a finite number"):
         colour_of(diffuse_material("Odd", (float("nan"), 0.5, 0.5)))
-
-
-def test_world_colour_is_seen_by_the_camera_and_noted(lit_scene, recorded):
-    lit_scene.world = bpy.data.worlds.new("Sky")
-    lit_scene.world.use_nodes = True
-    background = lit_scene.world.node_tree.nodes["Background"]
-    background.inputs["Color"].default_value = (0.1, 0.2, 0.4, 1)
-    background.inputs["Strength"].default_value = 2.0
-    found = recorded()
-    np.testing.assert_allclose(found.pixels["Combined"][0, 0], (0.2, 0.4, 0.8, 1), rtol=1e-6)
-    assert [note.partition(":")[0] for note in found.notes] == ["world 'Sky'"]
 
 
 def test_transparent_film(lit_scene, recorded):

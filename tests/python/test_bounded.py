@@ -14,9 +14,11 @@ from promise_scenes import (
     SCENES,
     ball,
     foliage,
+    garden,
     make,
     many_luminaires,
     open_floor,
+    overcast,
     slanted_fence,
     solid_objects,
     spots,
@@ -71,7 +73,7 @@ def test_coverage_at_a_thousandth(scene):
     assert missed.sum() <= most_misses(missed.size), f"{100 * missed.mean():.2f} % of the pixels"
 
 
-@pytest.mark.parametrize("scene", [solid_objects, slanted_fence, wires, foliage, ball, spots, sunny])
+@pytest.mark.parametrize("scene", [solid_objects, slanted_fence, wires, foliage, ball, spots, sunny, overcast, garden])
 def test_papers_rule_fails_the_same_test(scene):
     missed = misses(scene, "PAPER", 0.004)
     assert missed.sum() > most_misses(missed.size)

@@ -1,35 +1,117 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The world: the colour seen where a camera ray hits nothing. It does not light the scene yet."""
+"""The world: a colour or an equirectangular picture, seen where a ray hits nothing, that lights the scene."""
+
+from typing import NamedTuple
+
+import numpy as np
 
 from .. import compat
 from ..notes import Notes
+from .errors import ExportError
 from .nodes import follow, socket_colour, socket_value
 
+MISSING = np.array([[[1.0, 0.0, 1.0]]], dtype=np.float32)
+"""A picture that cannot be read is magenta, as in Cycles."""
+LINEAR_SPACES = ("Linear", "Linear Rec.709", "Non-Color", "Raw")
+"""Colour spaces whose numbers Blender's scene-linear ones are, in any version's spelling."""
 
-def background_colour(world, issues: list[str]) -> tuple[float, float, float]:
-    """Scene-linear radiance of the world; black without a world or without a background node, as in Cycles."""
+
+class Sky(NamedTuple):
+    """What is beyond all surfaces: radiance (r, g, b), multiplied with a picture if there is one."""
+
+    colour: tuple[float, float, float]
+    image: np.ndarray | None = None
+    """(height, width, 3) float32, scene linear, row 0 = straight down"""
+    local_from_world: np.ndarray | None = None
+    smooth: bool = True
+
+
+BLACK = Sky((0.0, 0.0, 0.0))
+
+
+def read_image(image, issues: list[str]) -> np.ndarray:
+    """The pixels of one of Blender's images, scene linear, or MISSING with an issue that names it."""
+    width, height = image.size
+    if not image.has_data and not (width and height):
+        issues.append(f"image {image.name!r} can't be read from {image.filepath!r}; rendered magenta")
+        return MISSING
+    pixels = np.empty((height, width, image.channels), dtype=np.float32)
+    image.pixels.foreach_get(pixels.ravel())
+    colours = pixels[..., :3] if image.channels >= 3 else np.repeat(pixels[..., :1], 3, axis=2)
+    space = image.colorspace_settings.name
+    if space == "sRGB":
+        low = colours <= 0.04045
+        colours = np.where(low, colours / 12.92, ((np.maximum(colours, 0.04045) + 0.055) / 1.055) ** 2.4)
+    elif space not in LINEAR_SPACES:
+        issues.append(f"colour space {space!r} of image {image.name!r} is not supported yet; taken as linear")
+    return np.ascontiguousarray(colours, dtype=np.float32)
+
+
+def rotation_of(node, issues: list[str]) -> np.ndarray:
+    """(4, 4) local from world of an Environment Texture: identity, or the rotation of the Mapping node before it."""
+    source = follow(node.inputs["Vector"])
+    rotation = np.eye(4)
+    if source is not None and source.bl_idname == "ShaderNodeMapping" and not source.mute:
+        values = {name: source.inputs.get(name) for name in ("Location", "Rotation", "Scale")}
+        if any(socket is not None and socket.is_linked for socket in values.values()):
+            issues.append(f"what is linked to node {source.name!r} was ignored")
+        if values["Location"] is not None and source.vector_type in ("POINT", "TEXTURE"):
+            if any(values["Location"].default_value):
+                issues.append(f"Location of node {source.name!r} is not supported yet and ignored")
+        scale = np.array(values["Scale"].default_value)
+        if not (np.allclose(scale, scale[0]) and scale[0] > 0):
+            issues.append(f"Scale of node {source.name!r} is not supported yet and ignored")
+        turn = np.array(values["Rotation"].default_value.to_matrix())
+        rotation[:3, :3] = turn.T if source.vector_type == "TEXTURE" else turn
+        source = follow(source.inputs["Vector"])
+    if source is not None and not (source.bl_idname == "ShaderNodeTexCoord" and not source.mute):
+        issues.append(f"node {source.name!r} before the environment texture is not supported yet and ignored")
+    return rotation
+
+
+def sky_of(world, issues: list[str]) -> Sky:
+    """Black without a world or without a background node, as in Cycles; what is left out is added to `issues`."""
     if world is None:
-        return 0.0, 0.0, 0.0
+        return BLACK
     tree = compat.node_tree(world)
     if tree is None:
-        return tuple(world.color)
+        return Sky(tuple(world.color))
     output = tree.get_output_node("CYCLES") or tree.get_output_node("EEVEE")
     node = follow(output.inputs["Surface"]) if output else None
     if node is None:
-        return 0.0, 0.0, 0.0
-    if node.bl_idname != "ShaderNodeBackground":
+        return BLACK
+    if output.inputs["Volume"].is_linked:
+        issues.append("its volume is not supported and was left out")
+    if node.bl_idname != "ShaderNodeBackground" or node.mute:
         issues.append(f"node {node.name!r} is not supported yet; the background is black")
-        return 0.0, 0.0, 0.0
+        return BLACK
     strength = socket_value(node.inputs["Strength"], issues)
-    return tuple(strength * c for c in socket_colour(node.inputs["Color"], issues))
+    texture = follow(node.inputs["Color"])
+    if texture is None or texture.bl_idname != "ShaderNodeTexEnvironment" or texture.mute or strength == 0:
+        return Sky(tuple(strength * c for c in socket_colour(node.inputs["Color"], issues)))
+    if texture.image is None:
+        issues.append(f"node {texture.name!r} has no image; rendered magenta")
+        return Sky((strength,) * 3, MISSING)
+    if texture.projection != "EQUIRECTANGULAR":
+        issues.append(f"projection of node {texture.name!r} is not supported yet; the background is black")
+        return BLACK
+    image, rotation = read_image(texture.image, issues), rotation_of(texture, issues)
+    return Sky((strength,) * 3, image, rotation, texture.interpolation != "Closest")
 
 
 def export(native_scene, scene, notes: Notes) -> None:
     """Sets the native scene's background."""
     issues: list[str] = []
-    colour = background_colour(scene.world, issues)
-    if any(colour):
-        issues.append("its light is not supported yet and was left out; the camera sees its colour")
+    world = scene.world
+    sky = sky_of(world, issues)
+    if sky.image is not None and not np.isfinite(sky.image).all():
+        raise ExportError(f"world {world.name!r}: its picture has pixels that are not finite")
+    seen_by = compat.world_visibility(world)
+    if any(sky.colour) and seen_by["diffuse"] != seen_by["glossy"]:
+        issues.append("ray visibility of diffuse and glossy alone is not supported yet; that of diffuse was used")
     if issues:
-        notes.add(f"world {scene.world.name!r}: {'; '.join(issues)}")
-    native_scene.set_background(color=colour, transparent=scene.render.film_transparent)
+        notes.add(f"world {world.name!r}: {'; '.join(issues)}")
+    native_scene.set_background(
+        color=sky.colour, transparent=scene.render.film_transparent, lights=seen_by["diffuse"],
+        seen_by_camera=seen_by["camera"], image=sky.image, local_from_world=sky.local_from_world, smooth=sky.smooth,
+    )  # fmt: skip

@@ -51,9 +51,6 @@ def set_up(scene, changes: Changes, own: dict, has_mirrors: bool) -> None:
         for owner in (scene_object, getattr(scene_object, "cycles", None)):
             for name in ("offset", "normal_offset", "geometry_offset"):
                 changes.set(owner, f"shadow_terminator_{name}", 0.0)
-    if scene.world and hasattr(scene.world, "cycles_visibility"):  # seen, but it lights nothing
-        for name in ("diffuse", "glossy", "transmission", "scatter"):
-            changes.set(scene.world.cycles_visibility, name, False)
 
 
 def render(scene) -> None:

@@ -1,0 +1,150 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The world as background and as light: colour and environment texture, against Cycles in the same Blender."""
+
+import math
+
+import bpy
+import numpy as np
+import pytest
+from cycles_reference import colour, converge_cycles, relative_rmse, render_with_cycles, render_with_penumbra
+from helpers import add_camera, add_cube, add_plane
+from recording import record
+
+
+def set_world(scene, color=(0.5, 0.5, 0.5), strength=1.0):
+    """A world of one Background node, which is returned."""
+    scene.world = bpy.data.worlds.new("Sky")
+    scene.world.use_nodes = True
+    background = scene.world.node_tree.nodes["Background"]
+    background.inputs["Color"].default_value = (*color, 1)
+    background.inputs["Strength"].default_value = strength
+    return background
+
+
+def sky_picture(width=64, height=32, sun=30.0) -> np.ndarray:
+    """(height, width, 3): a gradient of changing hue with one bright spot."""
+    y, x = np.mgrid[0:height, 0:width]
+    sky = np.stack([0.2 + 0.5 * x / width, 0.3 + 0.4 * y / height, 0.6 - 0.3 * x / width], axis=-1)
+    sky[height * 3 // 4 : height * 3 // 4 + 2, width // 3 : width // 3 + 2] = sun
+    return sky.astype(np.float32)
+
+
+def set_environment(scene, pixels, **mapping):
+    """A world of an environment texture; `mapping`: vector_type and rotation of a Mapping node."""
+    background = set_world(scene)
+    height, width = pixels.shape[:2]
+    image = bpy.data.images.new("Picture", width, height, float_buffer=True)
+    image.pixels.foreach_set(np.dstack([pixels, np.ones((height, width), np.float32)]).ravel())
+    image.update()
+    image.pack()
+    tree = scene.world.node_tree
+    texture = tree.nodes.new("ShaderNodeTexEnvironment")
+    texture.image = image
+    tree.links.new(texture.outputs[0], background.inputs["Color"])
+    if mapping:
+        node = tree.nodes.new("ShaderNodeMapping")
+        node.vector_type = mapping["vector_type"]
+        node.inputs["Rotation"].default_value = mapping["rotation"]
+        coordinates = tree.nodes.new("ShaderNodeTexCoord")
+        tree.links.new(coordinates.outputs["Generated"], node.inputs["Vector"])
+        tree.links.new(node.outputs[0], texture.inputs["Vector"])
+    return texture
+
+
+def add_box_on_a_floor(scene) -> None:
+    add_plane(scene, "Floor", size=10.0)
+    add_cube(scene, size=1.0, location=(0, 0, 0.5))
+    add_camera(scene, location=(0, 0, 8), type="ORTHO", ortho_scale=6.0)
+
+
+def test_colour_lights_as_in_cycles(scene):
+    """Tolerance 1 % (relative RMSE), Cycles' noise below half of that."""
+    add_box_on_a_floor(scene)
+    set_world(scene, (0.4, 0.5, 0.7), 2.0)
+    cycles, noise = converge_cycles(scene, samples=1024)
+    ours, expected = colour(render_with_penumbra(scene)), colour(cycles)
+    assert expected.min() < 0.8 * expected.max()
+    assert relative_rmse(noise, expected) < 5e-3
+    assert relative_rmse(ours - expected, expected) < 1e-2
+
+
+MAPPINGS = {
+    "unmapped": {},
+    "turned": {"vector_type": "POINT", "rotation": (0.3, -0.5, 1.1)},
+    "turned as texture": {"vector_type": "TEXTURE", "rotation": (0.3, -0.5, 1.1)},
+    "turned as vector": {"vector_type": "VECTOR", "rotation": (0.0, 0.0, 2.0)},
+}
+
+
+@pytest.mark.parametrize("mapping", MAPPINGS.values(), ids=MAPPINGS)
+def test_environment_lights_as_in_cycles(scene, mapping):
+    """Pixels of 5.6 degrees: constant here, interpolated in Cycles, which moves a shadow's edge a little. Tolerance 1 %
+    in the mean and 4 % (relative RMSE), Cycles' noise below a third of that."""
+    add_box_on_a_floor(scene)
+    set_environment(scene, sky_picture(), **mapping)
+    cycles, noise = converge_cycles(scene, samples=1024)
+    ours, expected = colour(render_with_penumbra(scene)), colour(cycles)
+    assert relative_rmse(noise, expected) < 1.3e-2
+    np.testing.assert_allclose(ours.mean((0, 1)), expected.mean((0, 1)), rtol=1e-2)
+    assert relative_rmse(ours - expected, expected) < 4e-2
+
+
+@pytest.mark.parametrize("mapping", MAPPINGS.values(), ids=MAPPINGS)
+@pytest.mark.parametrize("interpolation", ["Linear", "Closest"])
+def test_environment_is_seen_as_in_cycles(scene, mapping, interpolation):
+    """A wide view of nothing else; 1e-3 of the brightest, rounding of directions, but for a few pixels beside the bright
+    spot (0.5 %); with Closest but for pixels whose ray meets an edge (2 %)."""
+    set_environment(scene, sky_picture(sun=2.0), **mapping).interpolation = interpolation
+    add_camera(scene, rotation=(1.4, 0.2, 0.7), lens=12)
+    ours, cycles = (colour(passes) for passes in (render_with_penumbra(scene), render_with_cycles(scene, 4)))
+    far = abs(ours - cycles).max(-1) > 2e-3
+    assert np.ptp(cycles) > 0.3
+    assert far.mean() <= (0.02 if interpolation == "Closest" else 0.005)
+
+
+def test_a_byte_picture_is_decoded(scene, monkeypatch):
+    """The sRGB curve: 0.5 is 0.2140 in the scene; bytes round to 1 / 255."""
+    add_camera(scene)
+    texture = set_environment(scene, sky_picture())
+    texture.image = bpy.data.images.new("Bytes", 4, 2)
+    texture.image.pixels.foreach_set(np.tile(np.float32([0.5, 0.5, 0.0, 1.0]), 8))
+    found = record(scene, monkeypatch)
+    np.testing.assert_allclose(found.background.image, np.broadcast_to([0.2140, 0.2140, 0.0], (2, 4, 3)), atol=4e-3)
+    assert found.notes == []
+
+
+def test_black_world_costs_nothing(scene, monkeypatch):
+    add_box_on_a_floor(scene)
+    set_world(scene, strength=0.0)
+    found = record(scene, monkeypatch)
+    assert not found.pixels["Combined"][..., :3].any() and not found.pixels["Light Samples"].any()
+
+
+@pytest.mark.skipif(bpy.app.version >= (5, 0), reason="the switches have moved")
+def test_ray_visibility(scene, monkeypatch):
+    add_box_on_a_floor(scene)
+    set_world(scene)
+    scene.world.cycles_visibility.diffuse = scene.world.cycles_visibility.glossy = False
+    assert not record(scene, monkeypatch).pixels["Combined"][..., :3].any()
+    scene.world.cycles_visibility.glossy = True
+    assert "ray visibility of diffuse and glossy" in record(scene, monkeypatch).notes[0]
+    scene.camera.rotation_euler = (math.pi, 0, 0)
+    scene.world.cycles_visibility.camera = False
+    assert not record(scene, monkeypatch).pixels["Combined"][..., :3].any()
+    assert not colour(render_with_cycles(scene, 4)).any()
+
+
+def test_what_is_left_out_is_named(scene, monkeypatch):
+    add_camera(scene)
+    texture = set_environment(scene, sky_picture())
+    texture.projection = "MIRROR_BALL"
+    assert "projection of node 'Environment Texture' is not supported yet" in record(scene, monkeypatch).notes[0]
+    texture.projection = "EQUIRECTANGULAR"
+    texture.image = bpy.data.images.new("Gone", 1, 1)
+    texture.image.source, texture.image.filepath = "FILE", "//no_such_file.hdr"
+    found = record(scene, monkeypatch)
+    assert found.notes == ["world 'Sky': image 'Gone' can't be read from '//no_such_file.hdr'; rendered magenta"]
+    np.testing.assert_allclose(found.pixels["Combined"][0, 0], (1, 0, 1, 1))
+    tree = scene.world.node_tree
+    tree.links.new(tree.nodes.new("ShaderNodeAddShader").outputs[0], tree.nodes["World Output"].inputs["Surface"])
+    assert "node 'Add Shader' is not supported yet" in record(scene, monkeypatch).notes[0]
