@@ -92,8 +92,8 @@ def test_environment_lights_as_in_cycles(scene, mapping):
 @pytest.mark.parametrize("mapping", MAPPINGS.values(), ids=MAPPINGS)
 @pytest.mark.parametrize("interpolation", ["Linear", "Closest"])
 def test_environment_is_seen_as_in_cycles(scene, mapping, interpolation):
-    """A wide view of nothing else; 1e-3 of the brightest, rounding of directions, but for a few pixels beside the bright
-    spot (0.5 %); with Closest but for pixels whose ray meets an edge (2 %)."""
+    """A wide view of nothing else; 1e-3 of the brightest, rounding of directions, but for a few pixels beside the
+    bright spot (0.5 %); with Closest but for pixels whose ray meets an edge (2 %)."""
     set_environment(scene, sky_picture(sun=2.0), **mapping).interpolation = interpolation
     add_camera(scene, rotation=(1.4, 0.2, 0.7), lens=12)
     ours, cycles = (colour(passes) for passes in (render_with_penumbra(scene), render_with_cycles(scene, 4)))

@@ -52,12 +52,12 @@ def rotation_of(node, issues: list[str]) -> np.ndarray:
     source = follow(node.inputs["Vector"])
     rotation = np.eye(4)
     if source is not None and source.bl_idname == "ShaderNodeMapping" and not source.mute:
-        values = {name: source.inputs.get(name) for name in ("Location", "Rotation", "Scale")}
-        if any(socket is not None and socket.is_linked for socket in values.values()):
+        values = {name: source.inputs[name] for name in ("Location", "Rotation", "Scale")}
+        if any(socket.is_linked for socket in values.values()):
             issues.append(f"what is linked to node {source.name!r} was ignored")
-        if values["Location"] is not None and source.vector_type in ("POINT", "TEXTURE"):
-            if any(values["Location"].default_value):
-                issues.append(f"Location of node {source.name!r} is not supported yet and ignored")
+        moves = source.vector_type in ("POINT", "TEXTURE") and any(values["Location"].default_value)
+        if moves:
+            issues.append(f"Location of node {source.name!r} is not supported yet and ignored")
         scale = np.array(values["Scale"].default_value)
         if not (np.allclose(scale, scale[0]) and scale[0] > 0):
             issues.append(f"Scale of node {source.name!r} is not supported yet and ignored")
