@@ -12,7 +12,7 @@ packages=(
 )
 for argument in "$@"; do
   case "$argument" in
-    --tests) packages+=(libgtest-dev python3-pytest python3-openimageio python3-matplotlib) ;;
+    --tests) packages+=(libgtest-dev python3-pytest python3-hypothesis python3-openimageio python3-matplotlib) ;;
     --paper) packages+=(python3-matplotlib python3-markdown) ;;
     *)
       echo "install.sh: unknown argument '$argument' (there are --tests and --paper)" >&2
