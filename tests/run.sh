@@ -19,7 +19,7 @@ echo "== the core"
 ctest --preset test
 
 echo "== the module"
-/usr/bin/python3 -m pytest -q -p no:cacheprovider tests/python tests/hard_cases
+/usr/bin/python3 -m pytest -q -p no:cacheprovider tests/python tests/hard_cases tests/fuzz
 
 echo "== the add-on, inside Blender"
 blender -b --factory-startup --python-exit-code 1 -P tests/blender/run_in_blender.py -- -q

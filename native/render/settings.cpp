@@ -19,6 +19,15 @@ void require(bool condition, const std::string& message) {
   if (!condition) throw std::invalid_argument(message);
 }
 
+/// "NAME must ..., not VALUE".
+template <typename T>
+void require_value(bool condition, const char* name, const char* expected, T value) {
+  if (condition) return;
+  std::ostringstream text;
+  text << name << " must " << expected << ", not " << value;
+  throw std::invalid_argument(text.str());
+}
+
 void require_samples(const char* name, uint32_t value) {
   require(value >= 1 && value <= kMostSamples, std::string(name) + " must lie in 1 ... " +
                                                    std::to_string(kMostSamples) + ", not " +
@@ -39,14 +48,15 @@ RenderSettings RenderSettings::validated() const {
   require_samples("max_light_samples", max_light_samples);
   require_samples("pixel_samples", pixel_samples);
   require_samples("max_pixel_samples", max_pixel_samples);
-  require(check_interval >= 1 && check_interval <= kMostSamples, "check_interval must be at least 1");
-  require(std::isfinite(error_tolerance) && error_tolerance > 0,
-          "error_tolerance must be positive and finite");
-  require(std::isfinite(exposure) && std::abs(exposure) <= 100, "exposure must lie in -100 ... 100 stops");
-  require(std::isfinite(filter_width) && filter_width > 0 && filter_width <= 10,
-          "filter_width must lie in 0 ... 10 pixels");
-  require(mirror_depth <= 1024, "mirror_depth must be at most 1024");
-  require(threads <= 1024, "threads must be at most 1024");
+  require_samples("check_interval", check_interval);
+  require_value(std::isfinite(error_tolerance) && error_tolerance > 0, "error_tolerance",
+                "be positive and finite", error_tolerance);
+  require_value(std::isfinite(exposure) && std::abs(exposure) <= 100, "exposure", "lie in -100 ... 100 stops",
+                exposure);
+  require_value(std::isfinite(filter_width) && filter_width > 0 && filter_width <= 10, "filter_width",
+                "lie in 0 ... 10 pixels", filter_width);
+  require_value(mirror_depth <= 1024, "mirror_depth", "be at most 1024", mirror_depth);
+  require_value(threads <= 1024, "threads", "be at most 1024", threads);
   if (sampler == SamplerKind::kSprs) {
     require(stop_rule == StopRuleKind::kFixed,
             "sampler SPRS can't grow: it needs stop_rule FIXED, since its grid is laid out beforehand");

@@ -47,7 +47,8 @@ Barycentric intersect_plane(const Vec3d& origin, const Vec3d& direction, const V
 }
 
 /// Embree's own error in where a triangle is, relative to the coordinates it computes with, some ulps of
-/// single precision. Measured by the self-shadowing and leak tests of tests/hard_cases/test_b_acne_and_leaks.py.
+/// single precision. Measured by the self-shadowing and leak tests of
+/// tests/hard_cases/test_b_acne_and_leaks.py.
 constexpr double kRelativeRounding = 0x1p-21;
 
 }  // namespace
