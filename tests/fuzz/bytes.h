@@ -2,11 +2,12 @@
 // Numbers and arrays out of a fuzzer's bytes; zeros once they are used up.
 #pragma once
 
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <iterator>
+#include <type_traits>
 
 #include "math/transform.h"
 
@@ -25,7 +26,8 @@ class Bytes {
   /// 0 ... most - 1
   uint32_t below(uint32_t most) { return byte() % most; }
 
-  /// Mostly a plain number in -4 ... 4, with steps that make things meet; else an extreme one, or any bits at all.
+  /// Mostly a plain number in -4 ... 4, with steps that make things meet; else an extreme one, or any bits at
+  /// all.
   double number() {
     const uint8_t kind = byte();
     if (kind < 200) return (kind - 100) / 25.0;
@@ -72,11 +74,9 @@ class Bytes {
 
   template <typename T>
   T bits() {
-    uint8_t raw[sizeof(T)];
-    for (uint8_t& b : raw) b = byte();
-    T value;
-    std::memcpy(&value, raw, sizeof(T));
-    return value;
+    std::conditional_t<sizeof(T) == 8, uint64_t, uint32_t> raw = 0;
+    for (size_t i = 0; i < sizeof(T); ++i) raw = raw << 8 | byte();
+    return std::bit_cast<T>(raw);
   }
 
  private:

@@ -11,7 +11,8 @@ from pathlib import Path
 from hypothesis import HealthCheck, settings
 
 TESTS = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(TESTS / "python"), str(TESTS.parent / "addon" / "penumbra")]
+# At the end: the add-on has files that are named like the standard library's.
+sys.path += [str(TESTS / "python"), str(TESTS.parent / "addon" / "penumbra")]
 
 examples = os.environ.get("PENUMBRA_FUZZ_EXAMPLES")
 settings.register_profile(

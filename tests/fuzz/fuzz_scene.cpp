@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Any bytes as a scene and settings, built and rendered: it is refused with an exception, or every pixel is finite.
+// Any bytes as a scene and settings, built and rendered: it is refused with an exception, or every pixel is
+// finite.
 #include <cstdio>
 #include <cstdlib>
 
@@ -14,11 +15,11 @@ using fuzz::Bytes;
 Mesh read_mesh(Bytes& in) {
   Mesh mesh;
   mesh.name = "mesh";
-  const uint32_t vertices = in.below(24), triangles = in.below(32);
+  const uint32_t vertices = 3 + in.below(24), triangles = in.below(32);
   for (uint32_t i = 0; i < vertices; ++i) mesh.positions.push_back(in.vector());
   for (uint32_t i = 0; i < triangles; ++i) {
     // Mostly in range; one byte beyond now and then.
-    const auto index = [&] { return in.byte() < 253 && vertices ? in.byte() % vertices : in.bits<uint32_t>(); };
+    const auto index = [&] { return in.byte() < 254 ? in.byte() % vertices : in.bits<uint32_t>(); };
     const uint32_t a = index(), b = index(), c = index();
     mesh.triangles.push_back({a, b, c});
   }
@@ -35,11 +36,14 @@ void read_luminaire(Bytes& in, Scene& scene) {
   const Vec3d radiance = in.vector();
   if (in.flag()) {
     const auto shape = in.flag() ? LuminaireShape::kRectangle : LuminaireShape::kEllipse;
-    scene.add_luminaire(AreaLuminaire{"area", shape, place, std::abs(x), std::abs(y), radiance, in.byte() > 20});
+    scene.add_luminaire(
+        AreaLuminaire{"area", shape, place, std::abs(x), std::abs(y), radiance, in.byte() > 20});
     return;
   }
-  PointLuminaire point{"point", in.flag() ? RoundShape::kSphere : RoundShape::kFacingDisk, place, std::abs(x),
-                       radiance, in.byte() > 20, {}};
+  PointLuminaire point{"point",  in.flag() ? RoundShape::kSphere : RoundShape::kFacingDisk,
+                       place,    std::abs(x),
+                       radiance, in.byte() > 20,
+                       {}};
   if (in.flag()) point.spot = SpotCone{std::abs(y), in.share(), in.flag()};
   scene.add_luminaire(point);
 }
@@ -57,20 +61,20 @@ void read_camera(Bytes& in, Scene& scene) {
 RenderSettings read_settings(Bytes& in) {
   RenderSettings s;
   s.width = 1 + in.below(20), s.height = 1 + in.below(20);
-  if (in.below(4) == 0) s.region = {in.below(20), in.below(20), in.below(20), in.below(20)};
+  if (in.below(4) == 0) s.region = {in.below(9), in.below(9), in.below(9), in.below(9)};
   s.stop_rule = StopRuleKind(in.below(4));
   if (s.stop_rule != StopRuleKind::kBounded || in.byte() < 8) {
     s.sampler = SamplerKind(in.below(5));
     s.sample_reuse = SampleReuse(in.below(4));
   }
-  s.light_samples = in.below(40), s.max_light_samples = 16 + in.below(48);
-  s.check_interval = in.below(30);
-  s.pixel_samples = in.below(5), s.max_pixel_samples = 16 + in.below(48);
+  s.light_samples = 1 + in.below(40), s.max_light_samples = 16 + in.below(48);
+  s.check_interval = 1 + in.below(20);
+  s.pixel_samples = 1 + in.below(5), s.max_pixel_samples = 16 + in.below(48);
   s.filter_type = FilterKind(in.below(2));
   s.filter_width = 4 * in.share();
   s.mirror_depth = in.below(6);
   s.seed = in.bits<uint32_t>();
-  s.error_tolerance = in.share();
+  s.error_tolerance = 1e-3 + in.share();
   if (in.below(4) == 0) s.exposure = in.number();
   s.threads = 1;
   s.passes = {"Combined", "Depth", "Normal", "Position", "Light Samples"};
@@ -94,7 +98,8 @@ void render(Bytes& in) {
   auto scene = std::make_shared<Scene>();
   read_camera(in, *scene);
   scene->set_background({in.colour(), in.flag()});
-  const uint32_t materials = 1 + in.below(3), meshes = in.below(4), instances = in.below(6), lights = in.below(4);
+  const uint32_t materials = 1 + in.below(3), meshes = 1 + in.below(3), instances = in.below(6),
+                 lights = in.below(4);
   for (uint32_t i = 0; i < materials; ++i) {
     Material material;
     material.name = "material";
@@ -106,7 +111,10 @@ void render(Bytes& in) {
   }
   for (uint32_t i = 0; i < meshes; ++i) scene->add_mesh(read_mesh(in));
   for (uint32_t i = 0; i < instances; ++i)
-    scene->add_instance({"instance", in.below(4), in.transform(), {in.below(4), in.below(materials)}});
+    scene->add_instance({"instance",
+                         in.byte() < 250 ? in.below(meshes) : in.below(9),
+                         in.transform(),
+                         {in.below(materials), in.byte() < 250 ? in.below(materials) : in.below(9)}});
   for (uint32_t i = 0; i < lights; ++i) read_luminaire(in, *scene);
   const RenderSettings settings = read_settings(in);
   auto [mesh_list, instance_list] = scene->release_geometry();

@@ -8,4 +8,4 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 from processes import PATHS  # noqa: E402  (found through the line above)
 
-sys.path[:0] = PATHS
+sys.path += PATHS

@@ -5,4 +5,6 @@ import sys
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE), str(HERE.parents[1] / "addon" / "penumbra")]
+sys.path.insert(0, str(HERE))
+# At the end: the add-on has files that are named like the standard library's.
+sys.path.append(str(HERE.parents[1] / "addon" / "penumbra"))
