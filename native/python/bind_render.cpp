@@ -14,12 +14,17 @@ namespace {
 template <typename T>
 T setting(const py::dict& given, const char* name, const T& standard) {
   if (!given.contains(name)) return standard;
+  const py::object value = given[name];
+  // Bytes would do for text, but need not be any that an error message can hold.
+  bool is_bytes = py::isinstance<py::bytes>(value);
+  if (py::isinstance<py::list>(value))
+    for (const auto& element : value) is_bytes = is_bytes || py::isinstance<py::bytes>(element);
   try {
-    return given[name].cast<T>();
-  } catch (const py::cast_error&) {
-    throw py::value_error(std::string(name) + " is " + py::repr(given[name]).cast<std::string>() +
-                          ", which is out of range or of the wrong type");
+    if (!is_bytes) return value.cast<T>();
+  } catch (const py::cast_error&) {  // told below
   }
+  throw py::value_error(std::string(name) + " is " + py::repr(value).cast<std::string>() +
+                        ", which is out of range or of the wrong type");
 }
 
 RenderSettings read_settings(const py::dict& given) {

@@ -14,6 +14,7 @@
 #include "lighting/direct_light.h"
 #include "luminaire/sky.h"
 #include "math/simd.h"
+#include "render/crash_note.h"
 #include "render/debug_pixel.h"
 #include "render/filtered_block.h"
 
@@ -138,6 +139,7 @@ void Renderer::start() {
   if (started_) return;
   uint32_t count = settings_.threads ? settings_.threads : std::max(1u, std::thread::hardware_concurrency());
   count = uint32_t(std::min<size_t>(count, work_.size()));
+  install_crash_note();
   const double begin = now();
   for (uint32_t i = 0; i < count; ++i) {
     try {
@@ -196,6 +198,7 @@ void Renderer::work() {
     Bucket& bucket = *buckets_[work_[i].first];
     const Rectangle& block = bucket.blocks[work_[i].second];
     RenderTally tally;
+    const CrashNote note(block);
     try {
       block_renderer()(context, block, tally);
     } catch (const std::bad_alloc&) {

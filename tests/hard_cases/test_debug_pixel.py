@@ -2,11 +2,13 @@
 """Render.debug_pixel: what it tells is what the picture shows, and pixels that fail name themselves."""
 
 import re
+import signal as signals
 
 import numpy as np
 import penumbra_native as pn
 import pytest
 from methods import COMBINATIONS
+from processes import run_code
 from scenes import add, lit_floor, parallelogram, render, translation
 
 SIZE = {"width": 24, "height": 20}
@@ -68,3 +70,27 @@ def test_refusals():
     with pytest.raises(ValueError, match="started already"):
         job.debug_pixel(4, 4)
     assert np.isfinite(job.passes()["Combined"]).all()
+
+
+@pytest.mark.parametrize("signal", ["SIGSEGV", "SIGABRT"])
+def test_a_crash_names_its_pixels(signal):
+    """A signal to a rendering thread, as its own fault would send it: the process dies of it, and says where. The same
+    signal to another thread says nothing of pixels."""
+    code = f"""
+        import ctypes, os, signal
+        import penumbra_native as pn
+        from scenes import lit_floor
+        job = pn.Render(lit_floor(), dict(width=256, height=256, stop_rule="FIXED", light_samples=2**16, threads=1))
+        before = set(os.listdir("/proc/self/task"))
+        job.start()
+        (thread,) = set(os.listdir("/proc/self/task")) - before
+        while job.progress == 0:
+            job.wait(0.01)
+        ctypes.CDLL(None).syscall(234, os.getpid(), TARGET, signal.{signal})  # tgkill, x86-64
+        job.wait(1e9)
+    """
+    crashed = run_code(code.replace("TARGET", "int(thread)"))
+    assert crashed.returncode == -getattr(signals, signal)
+    assert re.search(r"Penumbra: crashed in the pixels \d+,\d+ to \d+,\d+; .*--debug-pixel \d+,\d+", crashed.stderr)
+    elsewhere = run_code(code.replace("TARGET", "os.getpid()"))
+    assert elsewhere.returncode == -getattr(signals, signal) and "Penumbra" not in elsewhere.stderr

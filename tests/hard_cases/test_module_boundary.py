@@ -47,6 +47,8 @@ def test_mesh_arrays(arguments, message):
         ({"sampler": "FAURE"}, "sampler is 'FAURE', expected one of PRS, SPRS, SOBOL, HALTON, OWEN_SOBOL"),
         ({"seed": "x"}, "seed is 'x', which is out of range or of the wrong type"),
         ({"memory_limit": -1}, "memory_limit is -1, which is out of range or of the wrong type"),
+        ({"stop_rule": b"\x80"}, r"stop_rule is b'\x80', which is out of range or of the wrong type"),
+        ({"passes": [b"\x80"]}, r"passes is [b'\x80'], which is out of range or of the wrong type"),
         ({"checkpoint": 7}, "checkpoint is 7, which is out of range or of the wrong type"),
     ],
 )
