@@ -17,8 +17,7 @@ constexpr int kGateReach = 2, kFloodReach = 2, kPool = 2;
 static_assert(kGateReach + kFloodReach == int(kFilteredHalo));
 
 /// Quantiles as in BoundedCalibration; smoothed standard error c s n^-0.65 of samples with standard deviation
-/// s (between the n^-5/8 of an edge in four dimensions and the n^-3/4 of one in two), worth so many
-/// neighbours.
+/// s (between n^-5/8, of an edge in four dimensions, and n^-3/4, in two), worth so many neighbours.
 constexpr double kStop = 2.7, kReport = 2.2, kSmoothed = 1.0, kExponent = 0.65, kPriorWeight = 6.0;
 
 /// More rays where first samples' unshadowed values leave a plane by more than this share of the tolerance.
