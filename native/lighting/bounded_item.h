@@ -26,7 +26,7 @@ struct BoundedItem {
   Vec3d diffuse, phong;                     // unshadowed radiance in the pixel, by lobe
   double diffuse_size = 0, phong_size = 0;  // the largest of their r, g, b, display units
   uint8_t first_lit = 0, first_dark = 0;    // bits of the first look's points
-  bool uncertain = false;
+  bool looked = false, uncertain = false;
 
   uint32_t count = 0, lit = 0, facing = 0;  // points used; those seen; those that could contribute
   VisibilitySums sums, at_half, at_power;   // now, and at the two powers of two before

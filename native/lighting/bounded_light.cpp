@@ -6,7 +6,6 @@
 
 #include "lighting/bounded_refine.h"
 #include "lighting/spread.h"
-#include "visibility/shadow_rays.h"
 
 namespace penumbra {
 namespace {
@@ -17,9 +16,6 @@ constexpr uint32_t kHalo = kGateReach + kFloodReach;
 
 /// Share of a pixel's tolerance that dim luminaires may be charged for being dropped.
 constexpr double kDropShare = 0.25;
-
-/// Points for the unshadowed Phong lobe, which has no closed form: shading only, no rays.
-constexpr uint32_t kPhongPoints = 1024;
 
 enum Seen : uint8_t { kLit = 1, kDark = 2 };
 
@@ -37,7 +33,7 @@ class BlockLight {
         points_(points),
         out_(out),
         tally_(tally),
-        item_sampler_(geometry, luminaires, sampler, points),
+        item_sampler_(geometry, luminaires, sampler, points, settings),
         certain_error_(block.pixels(), 0.0) {}
 
   void run() {
@@ -82,7 +78,6 @@ class BlockLight {
   void flood();
   void settle_certain_items();
   void refine_tiles();
-  double unshadowed_phong(const LitPoint& lit, const Luminaire& luminaire, const StreamKey& key) const;
 
   const Block& block_;
   const Geometry& geometry_;
@@ -107,16 +102,7 @@ void BlockLight::find_items() {
         tally_.decided_without_ray += in_core(lit.pixel, 0);
         continue;
       }
-      BoundedItem item;
-      item.point = p;
-      item.luminaire = l;
-      const Vec3d arriving = lit.throughput * luminaire.radiance();
-      item.diffuse = arriving * lit.material->diffuse * form_factor;
-      if (max_component(lit.material->phong) > 0)
-        item.phong =
-            arriving * lit.material->phong * unshadowed_phong(lit, luminaire, item_sampler_.key(item));
-      item.diffuse_size = max_abs(item.diffuse) * settings_.display_scale;
-      item.phong_size = max_abs(item.phong) * settings_.display_scale;
+      const BoundedItem item = item_sampler_.make(p, l, form_factor);
       if (item.size() > 0) items_.push_back(item);
     }
   }
@@ -124,23 +110,6 @@ void BlockLight::find_items() {
   // One luminaire and no mirrors: they are in order already.
   if (!std::is_sorted(items_.begin(), items_.end(), before))
     std::stable_sort(items_.begin(), items_.end(), before);
-}
-
-double BlockLight::unshadowed_phong(const LitPoint& lit, const Luminaire& luminaire,
-                                    const StreamKey& key) const {
-  const ShadingPoint point(lit.surface, *lit.material, lit.ray_direction);
-  alignas(64) float u[kBatch], v[kBatch], phong[kBatch];
-  LightPoints points;
-  double sum = 0;
-  const uint32_t count = std::min(kPhongPoints, settings_.max_light_samples / kPacket * kPacket);
-  for (uint32_t first = 0; first < count; first += kBatch) {
-    const uint32_t n = std::min(kBatch, count - first);
-    sampler_.points(key, first, n, u, v);
-    luminaire.evaluate(lit.surface, u, v, n, points);
-    evaluate_phong(point, points.x, points.y, points.z, points.form_factor, n, phong);
-    for (uint32_t i = 0; i < n; ++i) sum += double(phong[i]);
-  }
-  return sum / count;
 }
 
 /// A pixel's dimmest items, as many as its share of the tolerance pays for: half of each is added, and half
@@ -171,25 +140,8 @@ void BlockLight::drop_dim_items() {
   items_.resize(kept);
 }
 
-/// The first points of each item, one in each quarter of the luminaire; all of a point light are the same.
 void BlockLight::first_look() {
-  alignas(64) float u[kPacket], v[kPacket];
-  alignas(64) int traced[kPacket];
-  LightPoints points;
-  for (BoundedItem& item : items_) {
-    const LitPoint& lit = points_[item.point];
-    sampler_.points(item_sampler_.key(item), 0, kPacket, u, v);
-    luminaires_[item.luminaire].evaluate(lit.surface, u, v, kPacket, points);
-    float* f = points.form_factor;
-    const uint32_t looks = luminaires_[item.luminaire].is_point() ? 1 : kFirstLook;
-    std::fill(f + looks, f + kPacket, 0.0f);
-    uint8_t facing = 0;
-    for (uint32_t i = 0; i < kFirstLook; ++i) facing |= uint8_t((f[i] > 0) << i);
-    if (luminaires_[item.luminaire].casts_shadow())
-      tally_.shadow_rays += ShadowRays(geometry_, lit.surface).hide(points.x, points.y, points.z, f, traced);
-    for (uint32_t i = 0; i < kFirstLook; ++i) item.first_lit |= uint8_t((f[i] > 0) << i);
-    item.first_dark = facing & uint8_t(~item.first_lit);
-  }
+  for (BoundedItem& item : items_) item_sampler_.look(item, tally_);
 }
 
 /// Items whose neighbourhood has seen both light and dark may be in penumbra.

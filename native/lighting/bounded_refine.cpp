@@ -4,9 +4,6 @@
 #include <algorithm>
 #include <unordered_map>
 
-#include "sampling/hash.h"
-#include "visibility/shadow_rays.h"
-
 namespace penumbra {
 namespace {
 
@@ -14,83 +11,7 @@ namespace {
 /// tile needs nothing of the next one.
 constexpr int kPool = 2;
 
-/// B blocks of n / B points overstate the variance of the whole by B to this power: 3/2 for an edge through
-/// the luminaire (Owen-scrambled nets), 1 for independent points; foliage lies between.
-constexpr double kBlockExponent = 1.35;
-
-/// Estimates of blocks of equal size, from the sums at their ends, tell the variance of the whole.
-double block_variance(const BoundedItem& item) {
-  double values[3];
-  int blocks = 2;
-  const bool power_of_two = (item.count & (item.count - 1)) == 0;
-  if (power_of_two) {
-    values[0] = item.display(item.at_power);
-    values[1] = item.display(item.sums - item.at_power);
-  } else {
-    values[0] = item.display(item.at_half);
-    values[1] = item.display(item.at_power - item.at_half);
-    values[2] = item.display(item.sums - item.at_power);
-    blocks = 3;
-  }
-  double mean = 0, squares = 0;
-  for (int i = 0; i < blocks; ++i) mean += values[i] / blocks;
-  for (int i = 0; i < blocks; ++i) squares += (values[i] - mean) * (values[i] - mean);
-  return squares / (blocks - 1) / std::pow(blocks, kBlockExponent);
-}
-
 }  // namespace
-
-StreamKey ItemSampler::key(const BoundedItem& item) const {
-  const uint64_t index = points_[item.point].stream * luminaires_.size() + item.luminaire;
-  return {index, hash_of(index)};
-}
-
-void ItemSampler::advance(BoundedItem& item, uint32_t target, LightTally& tally) const {
-  const LitPoint& lit = points_[item.point];
-  const Luminaire& luminaire = luminaires_[item.luminaire];
-  const ShadingPoint point(lit.surface, *lit.material, lit.ray_direction);
-  const ShadowRays rays(geometry_, lit.surface);
-  alignas(64) float u[kPacket], v[kPacket], unshadowed[kPacket], phong[kPacket], visible_phong[kPacket];
-  alignas(64) int traced[kPacket] = {};
-  LightPoints points;
-  for (; item.count < target; item.count += kPacket) {
-    sampler_.points(key(item), item.count, kPacket, u, v);
-    luminaire.evaluate(lit.surface, u, v, kPacket, points);
-    float* f = points.form_factor;
-    std::copy(f, f + kPacket, unshadowed);
-    // The first look's rays are known already.
-    float known[kFirstLook];
-    if (item.count == 0) {
-      for (uint32_t i = 0; i < kFirstLook; ++i) {
-        known[i] = item.first_lit >> i & 1 ? f[i] : 0.0f;
-        f[i] = 0;
-      }
-    }
-    if (luminaire.casts_shadow()) tally.shadow_rays += rays.hide(points.x, points.y, points.z, f, traced);
-    if (item.count == 0) std::copy(known, known + kFirstLook, f);
-    if (point.has_phong) {
-      evaluate_phong(point, points.x, points.y, points.z, unshadowed, kPacket, phong);
-      evaluate_phong(point, points.x, points.y, points.z, f, kPacket, visible_phong);
-    }
-    for (uint32_t i = 0; i < kPacket; ++i) {
-      if (item.count == 0 && i == kPacket / 2) item.at_power = item.sums;  // halves of the first packet
-      item.sums.f += double(unshadowed[i]);
-      item.sums.fv += double(f[i]);
-      item.facing += unshadowed[i] > 0;
-      item.lit += f[i] > 0;
-      if (point.has_phong) {
-        item.sums.p += double(phong[i]);
-        item.sums.pv += double(visible_phong[i]);
-      }
-    }
-  }
-  item.variance = block_variance(item);
-  const bool power_of_two = (item.count & (item.count - 1)) == 0;
-  if (power_of_two) {
-    item.at_half = item.at_power;
-    item.at_power = item.sums;
-  }
-}
 
 TileRefiner::TileRefiner(const ItemSampler& sampler, const std::vector<LitPoint>& points, const Block& block,
                          const BoundedSettings& settings)

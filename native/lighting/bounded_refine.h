@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "lighting/bounded_item.h"
+#include "lighting/item_sampler.h"
 
 namespace penumbra {
 
@@ -18,24 +18,6 @@ struct BoundedCalibration {
   /// c G sqrt(p (1 - p)) n^-3/4 (G: the unshadowed value, p: the visible fraction), and how many neighbours
   /// that counts as.
   double smoothed = 1.2, prior_weight = 6.0;
-};
-
-/// Adds points to one item up to `count` (16, or a later level), shadow rays included.
-class ItemSampler {
- public:
-  ItemSampler(const Geometry& geometry, const std::vector<Luminaire>& luminaires, const Sampler& sampler,
-              const std::vector<LitPoint>& points)
-      : geometry_(geometry), luminaires_(luminaires), sampler_(sampler), points_(points) {}
-
-  void advance(BoundedItem& item, uint32_t count, LightTally& tally) const;
-
-  StreamKey key(const BoundedItem& item) const;
-
- private:
-  const Geometry& geometry_;
-  const std::vector<Luminaire>& luminaires_;
-  const Sampler& sampler_;
-  const std::vector<LitPoint>& points_;
 };
 
 /// The uncertain items of one tile, with their places, and what else its pixels have.

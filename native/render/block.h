@@ -22,6 +22,7 @@ struct RenderContext {
   const PathTracer& paths;
   const std::vector<Luminaire>& luminaires;
   const Lighting& lighting;
+  const Sampler& light_sampler;
   const PixelFilter& filter;
   const Sampler& pixel_sampler;
   const PixelLightSampler& pixel_light_sampler;

@@ -6,24 +6,30 @@
 
 #include "lighting/bounded_item.h"
 #include "lighting/spread.h"
-#include "render/filtered_pixel.h"
-#include "sampling/hash.h"
-#include "visibility/shadow_rays.h"
+#include "render/centre_light.h"
 
 namespace penumbra {
 namespace {
 
 constexpr int kGateReach = 2, kFloodReach = 2, kPool = 2;
-static_assert(kGateReach + kFloodReach == int(kFilteredHalo));
+
+/// Edges reach as many pixels as the filter does.
+int edge_reach(const PixelFilter& filter) {
+  return int(std::ceil(filter.support() / 2));
+}
+
+/// Pixels around a block that it looks at: what floods into it can come from so far away.
+uint32_t halo(const PixelFilter& filter) {
+  return uint32_t(kFloodReach + std::max(kGateReach, edge_reach(filter) + 1));
+}
 
 /// Quantiles as in BoundedCalibration; smoothed standard error c s n^-0.65 of samples with standard deviation
 /// s (between n^-5/8, of an edge in four dimensions, and n^-3/4, in two), worth so many neighbours.
 constexpr double kStop = 2.7, kReport = 2.2, kSmoothed = 1.0, kExponent = 0.65, kPriorWeight = 6.0;
 
-/// More rays where first samples' unshadowed values leave a plane by more than this share of the tolerance.
+/// First samples whose unshadowed values leave a plane by more than this share of the tolerance want more
+/// rays.
 constexpr double kResidualShare = 0.7;
-/// Share of the tolerance that dim luminaires may be charged for being left out of the ray count.
-constexpr double kDropShare = 0.125;
 
 class FilteredBlock {
  public:
@@ -31,61 +37,68 @@ class FilteredBlock {
   void run();
 
  private:
-  uint64_t frame_pixel(uint32_t p) const {
-    return uint64_t(area_.y + p / block_.width) * c_.settings.width + area_.x + p % block_.width;
-  }
-  std::span<Slot> slots(uint32_t p) { return {slots_.data() + size_t(p) * slot_count_, slot_count_}; }
+  std::span<Slot> slots(uint32_t p) { return frame_.of_pixel(p); }
   bool in_core(uint32_t p, int margin) const;
+  template <typename Function>
+  void for_quads(Function function);
+  template <typename Function>
+  void for_tiles(Function function);
   void first_look();
-  void trace(std::span<const uint32_t> pixels, uint32_t first, uint32_t count);
-  void find_contributions(uint32_t p, uint32_t first, std::span<PathEnd> ends);
-  void light(uint32_t p, uint32_t first, std::span<PathEnd> ends);
-  void fit_plane(FilteredPixel& pixel, std::span<Slot> slot, const double* dx, const double* dy,
-                 std::span<const PathEnd> ends);
+  void trace_each(std::span<const uint32_t> pixels, uint32_t first, uint32_t count);
+  void add_light(std::span<const SampleRun> runs);
+  void fit_plane(const SampleRun& run, uint32_t lane);
   void mark_uncertain(uint32_t p, uint32_t s);
   void mark_unseen(uint32_t p);
   void find_uncertain();
   void flood();
+  void start(std::span<const uint32_t> quad, int margin);
+  void first_level(std::span<const uint32_t> quad, int margin);
   void advance(uint32_t p);
-  void refine_tile(uint32_t tile_x, uint32_t tile_y);
+  template <typename Condition>
+  std::vector<uint32_t> pixels_of(const Rectangle& tile, Condition condition) const;
+  void refine_smooth(const Rectangle& tile);
+  void refine_edges(const Rectangle& tile);
   double standard_error(uint32_t p, std::span<const uint32_t> uncertain) const;
   void write();
+  void tell(PixelTrace& trace);
 
   const RenderContext& c_;
   RenderTally& tally_;
   Rectangle area_;
   Block block_;
   double display_scale_, tolerance_;
-  bool phong_ = false;
-  uint32_t slot_count_;
   std::vector<FilteredPixel> pixels_;
-  std::vector<Slot> slots_;  // by pixel
-
-  // Of the samples of one pixel that are being traced.
-  struct Contribution {
-    uint32_t sample, slot;
-    Vec3d unshadowed;
-    double weight;  // of the sampled point, display units
-    int64_t ray;    // index into visible_; kNoRay: the slot is certain
-  };
-  static constexpr int64_t kNoRay = -1;
-  std::vector<LitPoint> points_;
-  std::vector<uint32_t> sample_of_point_;
-  std::vector<Contribution> contributions_;
-  std::vector<uint8_t> visible_;
+  FilteredFrame frame_;
+  SamplePacket packet_;
+  CentreLight centres_;
 };
+
+bool some_phong(const Scene& scene) {
+  return std::ranges::any_of(scene.materials(), [](const Material& m) { return max_component(m.phong) > 0; });
+}
+
+FilteredFrame make_frame(const RenderContext& c, const Rectangle& area, const Block& block) {
+  const bool phong = some_phong(c.scene);
+  const uint32_t slots = uint32_t(c.luminaires.size()) * c.paths.length() * (phong ? 2 : 1);
+  return {area,
+          block.width,
+          phong,
+          slots,
+          std::vector<Slot>(size_t(block.pixels()) * slots),
+          std::vector<uint8_t>(block.pixels())};
+}
 
 FilteredBlock::FilteredBlock(const RenderContext& context, const Rectangle& core, RenderTally& tally)
     : c_(context),
       tally_(tally),
-      area_(with_halo(core, kFilteredHalo, context.settings)),
+      area_(with_halo(core, halo(context.filter), context.settings)),
       block_(block_of(core, area_, context.settings)),
       display_scale_(std::exp2(context.settings.exposure)),
-      tolerance_(context.settings.error_tolerance) {
-  for (const Material& material : c_.scene.materials()) phong_ = phong_ || max_component(material.phong) > 0;
-  slot_count_ = uint32_t(c_.luminaires.size()) * c_.paths.length() * (phong_ ? 2 : 1);
-  pixels_.resize(block_.pixels());
-  slots_.resize(size_t(block_.pixels()) * slot_count_);
+      tolerance_(context.settings.error_tolerance),
+      pixels_(block_.pixels()),
+      frame_(make_frame(context, area_, block_)),
+      packet_(context, frame_, tally),
+      centres_(context, block_, frame_, pixels_, tally) {
   if (tally.light.trace) aim(*tally.light.trace, area_);
 }
 
@@ -99,239 +112,201 @@ void FilteredBlock::run() {
   first_look();
   find_uncertain();
   flood();
-  for (uint32_t y = 0; y < block_.core_height; y += kTile)
-    for (uint32_t x = 0; x < block_.core_width; x += kTile) refine_tile(block_.core_x + x, block_.core_y + y);
+  for_tiles([this](const Rectangle& tile) { refine_smooth(tile); });
+  for_quads([this](std::span<const uint32_t> quad) { first_level(quad, 0); });
+  for_tiles([this](const Rectangle& tile) { refine_edges(tile); });
   write();
-  if (PixelTrace* trace = tally_.light.trace)
-    tell(*trace, pixels_[trace->pixel], slots(trace->pixel), uint32_t(c_.luminaires.size()), phong_ ? 2 : 1);
+  if (PixelTrace* trace = tally_.light.trace) tell(*trace);
 }
 
-/// Four samples of every pixel; 2x2 pixels of the frame a packet, wherever the block begins.
-void FilteredBlock::first_look() {
+/// Calls function with the pixels of each 2 x 2 quad of the frame: what shares packets is the same wherever a
+/// block begins.
+template <typename Function>
+void FilteredBlock::for_quads(Function function) {
   for (uint32_t y = area_.y / 2 * 2; y < area_.y + area_.height; y += 2) {
     for (uint32_t x = area_.x / 2 * 2; x < area_.x + area_.width; x += 2) {
-      std::vector<uint32_t> quad;
+      uint32_t quad[4], count = 0;
       for (uint32_t i = 0; i < 4; ++i) {
         const uint32_t bx = x + i % 2 - area_.x, by = y + i / 2 - area_.y;  // wraps below the area
-        if (bx < block_.width && by < block_.height) quad.push_back(by * block_.width + bx);
+        if (bx < block_.width && by < block_.height) quad[count++] = by * block_.width + bx;
       }
-      trace(quad, 0, kFirstSamples);
+      function(std::span<const uint32_t>(quad, count));
     }
   }
 }
 
-/// Samples [first, first + count) of some pixels, at most kPacket in all.
-void FilteredBlock::trace(std::span<const uint32_t> pixels, uint32_t first, uint32_t count) {
-  Ray rays[kPacket];
-  Hit hits[kPacket];
-  double dx[kPacket], dy[kPacket];
-  uint32_t active = 0;
-  for (uint32_t k = 0; k < pixels.size(); ++k) {
-    for (uint32_t i = 0; i < count; ++i) {
-      const uint32_t lane = k * count + i, p = pixels[k];
-      const UnitPoint u = c_.pixel_light_sampler.pixel(frame_pixel(p), first + i);
-      dx[lane] = c_.filter.offset(u.u), dy[lane] = c_.filter.offset(u.v);
-      rays[lane] = c_.camera.through(area_.x + p % block_.width + 0.5 + dx[lane],
-                                     area_.y + p / block_.width + 0.5 + dy[lane]);
-      active |= 1u << lane;
-    }
-  }
-  c_.geometry.intersect(rays, active, hits);
-  tally_.primary_rays += pixels.size() * count;
-  for (uint32_t k = 0; k < pixels.size(); ++k) {
-    const uint32_t p = pixels[k], lane = k * count;
-    PathEnd ends[kPacket];
-    points_.clear();
-    sample_of_point_.clear();
-    for (uint32_t i = 0; i < count; ++i) {
-      ends[i] = c_.paths.follow(rays[lane + i], hits[lane + i], p, 0, points_, tally_.mirror_rays);
-      sample_of_point_.resize(points_.size(), i);
-    }
-    light(p, first, {ends, count});
-    if (first == 0) fit_plane(pixels_[p], slots(p), dx + lane, dy + lane, {ends, count});
+/// Calls function with each of the frame's tiles in the core, as pixels of the block.
+template <typename Function>
+void FilteredBlock::for_tiles(Function function) {
+  for (uint32_t y = 0; y < block_.core_height; y += kTile)
+    for (uint32_t x = 0; x < block_.core_width; x += kTile)
+      function(Rectangle{block_.core_x + x, block_.core_y + y, std::min(kTile, block_.core_width - x),
+                         std::min(kTile, block_.core_height - y)});
+}
+
+/// Four samples of every pixel.
+void FilteredBlock::first_look() {
+  for_quads([this](std::span<const uint32_t> quad) { trace_each(quad, 0, kFirstSamples); });
+}
+
+/// Samples [first, first + count) of some pixels, as many pixels a packet as fit.
+void FilteredBlock::trace_each(std::span<const uint32_t> pixels, uint32_t first, uint32_t count) {
+  SampleRun runs[kPacket];
+  for (size_t begin = 0; begin < pixels.size(); begin += kPacket / count) {
+    const size_t n = std::min<size_t>(kPacket / count, pixels.size() - begin);
+    for (size_t i = 0; i < n; ++i) runs[i] = {pixels[begin + i], first, count};
+    packet_.trace({runs, n});
+    add_light({runs, n});
   }
 }
 
-/// Finds what each traced sample gets from each luminaire, and traces the shadow rays that are wanted.
-void FilteredBlock::find_contributions(uint32_t p, uint32_t first, std::span<PathEnd> ends) {
-  const std::span<Slot> slot = slots(p);
-  const auto luminaires = uint32_t(c_.luminaires.size()), lobes = phong_ ? 2u : 1u;
-  contributions_.clear();
-  visible_.clear();
-  visible_.reserve(points_.size() * luminaires);  // the queue points into it
-  ShadowQueue rays(c_.geometry);
-  std::vector<double> charge(ends.size(), 0.0);
-  for (size_t k = 0; k < points_.size(); ++k) {
-    const LitPoint& lit = points_[k];
-    const uint32_t sample = sample_of_point_[k];
-    const bool has_phong = phong_ && max_abs(lit.material->phong) > 0;
-    for (uint32_t l = 0; l < luminaires; ++l) {
-      const Luminaire& luminaire = c_.luminaires[l];
-      const double form_factor = luminaire.form_factor(lit.surface);
-      if (form_factor <= 0) {
-        ++tally_.light.decided_without_ray;
-        continue;
-      }
-      const uint32_t s = (lit.bounce * luminaires + l) * lobes;
-      const Vec3d arriving = lit.throughput * luminaire.radiance();
-      const Vec3d diffuse = arriving * lit.material->diffuse * form_factor;
-      const double size = max_abs(diffuse) * display_scale_;
-      // Too dim for a ray: half of it is added, and half of it is the error at most.
-      if (luminaires > 1 && !has_phong && charge[sample] + size / 2 <= kDropShare * tolerance_) {
-        charge[sample] += size / 2;
-        ++tally_.light.decided_without_ray;
-        ends[sample].background += diffuse * 0.5;
-        continue;
-      }
-      const UnitPoint u = c_.pixel_light_sampler.light(hash_of(frame_pixel(p), s), first + sample);
-      LightPoints point;
-      luminaire.evaluate(lit.surface, &u.u, &u.v, 1, point);
-      const bool wanted = first == 0 || slot[s].uncertain || (phong_ && slot[s + 1].uncertain);
-      int64_t ray = kNoRay;
-      if (wanted && point.form_factor[0] > 0) {
-        ray = int64_t(visible_.size());
-        visible_.push_back(1);
-        if (luminaire.casts_shadow())
-          rays.add(lit.surface, {point.x[0], point.y[0], point.z[0]}, visible_.back());
-      }
-      if (size > 0)
-        contributions_.push_back(
-            {sample, s, diffuse, size * double(point.form_factor[0]) / form_factor, ray});
-      if (has_phong) {
-        // No closed form: the sampled value itself stands for the unshadowed one.
-        float lobe;
-        evaluate_phong(ShadingPoint(lit.surface, *lit.material, lit.ray_direction), point.x, point.y, point.z,
-                       point.form_factor, 1, &lobe);
-        const Vec3d specular = arriving * lit.material->phong * double(lobe);
-        if (lobe > 0)
-          contributions_.push_back({sample, s + 1, specular, max_abs(specular) * display_scale_, ray});
-      }
-    }
-  }
-  rays.flush();
-  tally_.light.shadow_rays += rays.traced();
-  for (double c : charge) pixels_[p].charged += c;
-}
-
-/// Adds the light of one pixel's traced samples to its sums.
-void FilteredBlock::light(uint32_t p, uint32_t first, std::span<PathEnd> ends) {
-  find_contributions(p, first, ends);
-  FilteredPixel& pixel = pixels_[p];
-  if (first == 0) pixel.first = ends[0];
-  std::vector<Vec3d> value(ends.size());
-  for (size_t i = 0; i < ends.size(); ++i) {
-    value[i] = ends[i].background;
-    pixel.background += ends[i].background;
-    pixel.alpha += ends[i].alpha;
-  }
-  for (const Contribution& one : contributions_) {
-    Slot& slot = slots(p)[one.slot];
-    const bool seen = one.ray == kNoRay ? slot.lit : visible_[size_t(one.ray)];
+/// Adds what the packet found to its pixels' sums.
+void FilteredBlock::add_light(std::span<const SampleRun> runs) {
+  Vec3d values[kPacket];
+  uint32_t lane = 0;
+  for (const SampleRun& run : runs)
+    for (uint32_t i = 0; i < run.count; ++i, ++lane) values[lane] = packet_.ends[lane].background;
+  for (const Contribution& one : packet_.contributions()) {
+    Slot& slot = slots(packet_.pixel(one.lane))[one.slot];
+    const bool traced = one.ray != kNoRay, seen = traced ? packet_.sees(one) : slot.lit;
     slot.now.unshadowed += one.unshadowed;
-    if (seen) value[one.sample] += one.unshadowed;
-    if (one.ray == kNoRay) continue;
+    if (seen) values[one.lane] += one.unshadowed;
+    if (!traced) continue;
     slot.now.w += one.weight;
     slot.now.wv += seen ? one.weight : 0.0;
     (seen ? slot.lit : slot.dark) = true;
+    slot.uncertain = slot.uncertain || (slot.lit && slot.dark);
   }
-  pixel.light_points += visible_.size();
-  for (const Vec3d& v : value) {
-    const double x = max_component(v) * display_scale_;
-    pixel.x += x;
-    pixel.xx += x * x;
+  lane = 0;
+  for (const SampleRun& run : runs) {
+    FilteredPixel& pixel = pixels_[run.pixel];
+    if (run.first == 0) pixel.first = packet_.ends[lane];
+    if (run.first == 0) fit_plane(run, lane);
+    for (uint32_t i = 0; i < run.count; ++i, ++lane) {
+      const PathEnd& end = packet_.ends[lane];
+      const double x = max_component(values[lane]) * display_scale_;
+      pixel.background += end.background;
+      pixel.alpha += end.alpha;
+      pixel.x += x;
+      pixel.xx += x * x;
+      pixel.charged += packet_.charge[lane];
+      pixel.light_points += packet_.rays_of[lane];
+    }
+    pixel.count = run.first + run.count;
   }
-  pixel.count = first + uint32_t(ends.size());
 }
 
-/// The first samples' plane: unshadowed values at the pixel's centre, and how far they are from it.
-void FilteredBlock::fit_plane(FilteredPixel& pixel, std::span<Slot> slot, const double* dx, const double* dy,
-                              std::span<const PathEnd> ends) {
-  const PlaneFit fit({dx[0], dx[1], dx[2], dx[3]}, {dy[0], dy[1], dy[2], dy[3]});
+/// The first samples' plane: unshadowed values at the pixel's centre, and how far they are from being a
+/// plane. `lane`: the first of the run.
+void FilteredBlock::fit_plane(const SampleRun& run, uint32_t lane) {
+  FilteredPixel& pixel = pixels_[run.pixel];
+  const PlaneFit fit(packet_.dx + lane, packet_.dy + lane);
+  const PathEnd* ends = packet_.ends + lane;
   Vec3d residual;
   for (uint32_t i = 0; i < kFirstSamples; ++i) {
     pixel.background_fitted += ends[i].background * fit.h[i];
     residual += ends[i].background * fit.r[i];
     pixel.uncertain = pixel.uncertain || ends[i].object != ends[0].object;
   }
-  for (const Contribution& one : contributions_) {
-    slot[one.slot].fitted += one.unshadowed * fit.h[one.sample];
-    residual += one.unshadowed * fit.r[one.sample];
+  for (const Contribution& one : packet_.contributions()) {
+    if (one.lane - lane >= kFirstSamples) continue;  // another pixel's; wraps below
+    slots(run.pixel)[one.slot].fitted += one.unshadowed * fit.h[one.lane - lane];
+    residual += one.unshadowed * fit.r[one.lane - lane];
   }
   pixel.residual = max_abs(residual) * display_scale_;
   pixel.uncertain = pixel.uncertain || pixel.residual > kResidualShare * tolerance_;
 }
 
 void FilteredBlock::find_uncertain() {
-  // Edges reach into the pixels next to those that saw them, since the filter does.
-  std::vector<uint8_t> flags(block_.pixels());
+  std::vector<uint8_t>& edges = frame_.edge;
   for (uint32_t p = 0; p < block_.pixels(); ++p) {
     const uint32_t x = p % block_.width, y = p / block_.width;
     bool edge = pixels_[p].uncertain;
-    if (x + 1 < block_.width) edge = edge || edge_between(pixels_[p], pixels_[p + 1]);
-    if (y + 1 < block_.height) edge = edge || edge_between(pixels_[p], pixels_[p + block_.width]);
-    flags[p] = edge;
+    if (x + 1 < block_.width) edge = edge || edge_between(pixels_[p].first, pixels_[p + 1].first);
+    if (y + 1 < block_.height) edge = edge || edge_between(pixels_[p].first, pixels_[p + block_.width].first);
+    edges[p] = edge;
   }
-  spread(flags, block_.width, block_.height, 1);
-  for (uint32_t p = 0; p < block_.pixels(); ++p) pixels_[p].uncertain = flags[p];
+  spread(edges, block_.width, block_.height, edge_reach(c_.filter));
+  for (uint32_t p = 0; p < block_.pixels(); ++p) pixels_[p].uncertain = edges[p];
+  std::vector<uint8_t> flags(block_.pixels());
 
-  for (uint32_t s = 0; s < slot_count_; ++s) {
+  for (uint32_t s = 0; s < frame_.slot_count; ++s) {
     constexpr uint8_t kLit = 1, kDark = 2;
     for (uint32_t p = 0; p < block_.pixels(); ++p)
       flags[p] = uint8_t((slots(p)[s].lit ? kLit : 0) | (slots(p)[s].dark ? kDark : 0));
     spread(flags, block_.width, block_.height, kGateReach);
-    const bool wide = c_.luminaires[s / (phong_ ? 2 : 1) % c_.luminaires.size()].is_wide();
+    const bool wide = c_.luminaires[s / (frame_.phong ? 2 : 1) % c_.luminaires.size()].is_wide();
     for (uint32_t p = 0; p < block_.pixels(); ++p)
       if (flags[p] == (kLit | kDark) || (wide && flags[p])) mark_uncertain(p, s);
   }
   for (uint32_t p = 0; p < block_.pixels(); ++p) mark_unseen(p);
 }
 
+/// Both lobes of a luminaire; a point light's shadow is an edge.
 void FilteredBlock::mark_uncertain(uint32_t p, uint32_t s) {
-  slots(p)[s].uncertain = true;
+  const uint32_t lobes = frame_.phong ? 2 : 1, pair = s / lobes;
+  for (uint32_t lobe = 0; lobe < lobes; ++lobe) slots(p)[pair * lobes + lobe].uncertain = true;
   pixels_[p].uncertain = true;
+  if (c_.luminaires[pair % c_.luminaires.size()].is_point()) frame_.edge[p] = 1;
 }
 
-/// A pixel that gets more samples may see luminaires that its first ones did not face.
+/// An edge pixel that gets more samples may see luminaires that its first ones did not face.
 void FilteredBlock::mark_unseen(uint32_t p) {
-  if (!pixels_[p].uncertain) return;
+  if (!frame_.edge[p]) return;
   for (Slot& slot : slots(p)) slot.uncertain = slot.uncertain || (!slot.lit && !slot.dark);
 }
 
-/// Where 16 samples of an uncertain pixel find penumbra, its neighbours may have it too.
+/// Where the first 16 points or samples of an uncertain pixel find penumbra, its neighbours may have it too.
 void FilteredBlock::flood() {
-  for (uint32_t p = 0; p < block_.pixels(); ++p)
-    if (pixels_[p].uncertain && in_core(p, kFloodReach)) advance(p);
+  for_quads([this](std::span<const uint32_t> quad) { start(quad, kFloodReach); });
   std::vector<uint8_t> flags(block_.pixels());
-  for (uint32_t s = 0; s < slot_count_; ++s) {
+  for (uint32_t s = 0; s < frame_.slot_count; ++s) {
     for (uint32_t p = 0; p < block_.pixels(); ++p)
-      flags[p] = pixels_[p].count > kFirstSamples && slots(p)[s].lit && slots(p)[s].dark;
+      flags[p] =
+          (pixels_[p].count > kFirstSamples && slots(p)[s].lit && slots(p)[s].dark) || centres_.mixed(p, s);
     spread(flags, block_.width, block_.height, kFloodReach);
     for (uint32_t p = 0; p < block_.pixels(); ++p)
       if (flags[p]) mark_uncertain(p, s);
   }
   for (uint32_t p = 0; p < block_.pixels(); ++p) mark_unseen(p);
+  for_quads([this](std::span<const uint32_t> quad) { start(quad, 0); });
+}
+
+/// A quad's uncertain pixels, of those so far from the core at most: rays from the centre where the surface
+/// is smooth, else 16 samples.
+void FilteredBlock::start(std::span<const uint32_t> quad, int margin) {
+  uint32_t smooth[4], count = 0;
+  for (uint32_t p : quad)
+    if (pixels_[p].uncertain && !frame_.edge[p] && in_core(p, margin)) smooth[count++] = p;
+  centres_.start({smooth, count});
+  first_level(quad, margin);
+}
+
+/// The first 16 samples of a quad's edges.
+void FilteredBlock::first_level(std::span<const uint32_t> quad, int margin) {
+  uint32_t edges[4], count = 0;
+  for (uint32_t p : quad)
+    if (frame_.edge[p] && pixels_[p].count < kPacket && in_core(p, margin)) edges[count++] = p;
+  const std::span<const uint32_t> some(edges, count);
+  for (uint32_t p : some) mark_unseen(p);
+  trace_each(some, kFirstSamples, 8 - kFirstSamples);
+  for (uint32_t p : some) pixels_[p].remember_power(slots(p));
+  trace_each(some, 8, 8);
+  for (uint32_t p : some) pixels_[p].close_level(slots(p), display_scale_);
 }
 
 /// One level more for a pixel.
 void FilteredBlock::advance(uint32_t p) {
-  FilteredPixel& pixel = pixels_[p];
-  const uint32_t target = next_level(pixel.count);
-  while (pixel.count < target) {
-    const uint32_t step = pixel.count < kPacket ? (pixel.count < 8 ? 8 - pixel.count : 8) : kPacket;
-    trace({&p, 1}, pixel.count, step);
-    if (pixel.count != 8) continue;
-    pixel.background_power = pixel.background;
-    pixel.alpha_power = pixel.alpha;
-    for (Slot& slot : slots(p)) slot.power = slot.now;
-  }
-  pixel.close_level(slots(p), display_scale_);
+  const uint32_t target = next_level(pixels_[p].count);
+  while (pixels_[p].count < target) trace_each({&p, 1}, pixels_[p].count, kPacket);
+  pixels_[p].close_level(slots(p), display_scale_);
 }
 
 /// Of the pixel's estimate, with its uncertain neighbours' help.
 double FilteredBlock::standard_error(uint32_t p, std::span<const uint32_t> uncertain) const {
   const FilteredPixel& pixel = pixels_[p];
   const double n = pixel.count;
-  const std::span<const Slot> slot{slots_.data() + size_t(p) * slot_count_, slot_count_};
+  const std::span<const Slot> slot = frame_.of_pixel(p);
   const double prior = kSmoothed * kSmoothed * pixel.prior_variance(slot, display_scale_, kExponent);
   const int x = int(p % block_.width), y = int(p / block_.width);
   double sum = 0;
@@ -345,20 +320,29 @@ double FilteredBlock::standard_error(uint32_t p, std::span<const uint32_t> uncer
   return std::sqrt((kPriorWeight * prior + sum) / (kPriorWeight + count));
 }
 
-void FilteredBlock::refine_tile(uint32_t tile_x, uint32_t tile_y) {
-  std::vector<uint32_t> uncertain, open;
-  const uint32_t right = std::min(tile_x + kTile, block_.core_x + block_.core_width);
-  const uint32_t top = std::min(tile_y + kTile, block_.core_y + block_.core_height);
-  for (uint32_t y = tile_y; y < top; ++y)
-    for (uint32_t x = tile_x; x < right; ++x)
-      if (pixels_[y * block_.width + x].uncertain) uncertain.push_back(y * block_.width + x);
-  for (uint32_t p : uncertain)
-    if (pixels_[p].count < kPacket) advance(p);
-  for (open = uncertain; !open.empty();) {
+/// The tile's pixels (of the block) for which a condition holds.
+template <typename Condition>
+std::vector<uint32_t> FilteredBlock::pixels_of(const Rectangle& tile, Condition condition) const {
+  std::vector<uint32_t> pixels;
+  for (uint32_t y = tile.y; y < tile.y + tile.height; ++y)
+    for (uint32_t x = tile.x; x < tile.x + tile.width; ++x)
+      if (condition(y * block_.width + x)) pixels.push_back(y * block_.width + x);
+  return pixels;
+}
+
+void FilteredBlock::refine_smooth(const Rectangle& tile) {
+  const auto smooth = [this](uint32_t p) { return pixels_[p].uncertain && !frame_.edge[p]; };
+  centres_.refine(pixels_of(tile, smooth), tile);
+}
+
+void FilteredBlock::refine_edges(const Rectangle& tile) {
+  const std::vector<uint32_t> edges = pixels_of(tile, [this](uint32_t p) { return frame_.edge[p]; });
+  std::vector<uint32_t> open;
+  for (open = edges; !open.empty();) {
     std::vector<uint32_t> again;
     for (uint32_t p : open) {
       FilteredPixel& pixel = pixels_[p];
-      const double error = standard_error(p, uncertain), charged = pixel.charged / pixel.count;
+      const double error = standard_error(p, edges), charged = pixel.charged / pixel.count;
       const double tolerance =
           tolerance_ * std::max(1.0, max_component(pixel.estimate(slots(p))) * display_scale_);
       pixel.error = kReport * error + charged;
@@ -371,21 +355,33 @@ void FilteredBlock::refine_tile(uint32_t tile_x, uint32_t tile_y) {
   }
 }
 
+/// For --debug-pixel.
+void FilteredBlock::tell(PixelTrace& trace) {
+  const uint32_t p = trace.pixel;
+  const bool smooth = pixels_[p].uncertain && !frame_.edge[p];
+  if (smooth) centres_.tell(trace);
+  penumbra::tell(trace, pixels_[p], slots(p), uint32_t(c_.luminaires.size()), frame_.phong ? 2 : 1, smooth);
+}
+
 void FilteredBlock::write() {
   const Rectangle& region = c_.film.region();
   for (uint32_t p = 0; p < block_.pixels(); ++p) {
     const uint32_t x = area_.x + p % block_.width, y = area_.y + p / block_.width;
     if (!in_core(p, 0) || x - region.x >= region.width || y - region.y >= region.height) continue;
     const FilteredPixel& pixel = pixels_[p];
-    PixelValues values;
-    values.combined = pixel.uncertain ? pixel.estimate(slots(p)) : pixel.fitted(slots(p));
-    values.alpha = pixel.alpha / pixel.count;
-    values.light_samples = double(pixel.light_points);
+    const std::span<const Slot> slot = slots(p);
+    PixelLight light = pixel.light(slot);
     // A certain pixel: what its first look may have missed, as far as the calibration lets it.
-    values.error_estimate = pixel.uncertain ? pixel.error : tolerance_ / 2;
+    if (!pixel.uncertain) light = {pixel.fitted(slot), tolerance_ / 2, pixel.light_points};
+    if (pixel.uncertain && !frame_.edge[p]) light = centres_.light(p);
+    PixelValues values;
+    values.combined = light.radiance;
+    values.alpha = pixel.alpha / pixel.count;
+    values.light_samples = double(light.points);
+    values.error_estimate = light.error;
     set_data_passes(values, pixel.first, c_.geometry.normalization());
-    tally_.pixels_at_limit += pixel.at_limit;
-    tally_.light.light_points += pixel.light_points;
+    tally_.pixels_at_limit += light.at_limit;
+    tally_.light.light_points += light.points;
     if (c_.film.write(x, y, values) && tally_.non_finite_pixels++ == 0)
       tally_.first_non_finite = pixel_name(x, y, pixel.first.object);
   }

@@ -12,7 +12,4 @@ namespace penumbra {
 /// luminaire that may be in penumbra there.
 void render_filtered_block(const RenderContext& context, const Rectangle& core, RenderTally& tally);
 
-/// Pixels around a block that it looks at.
-inline constexpr uint32_t kFilteredHalo = 4;
-
 }  // namespace penumbra

@@ -16,16 +16,16 @@ constexpr double kEdgeCosine = 0.95, kEdgeSlope = 0.2;
 
 }  // namespace
 
-bool edge_between(const FilteredPixel& a, const FilteredPixel& b) {
-  if (a.first.object != b.first.object) return true;
-  if (!a.first.hit) return false;
-  const SurfacePoint &s = a.first.first, &t = b.first.first;
+bool edge_between(const PathEnd& a, const PathEnd& b) {
+  if (a.object != b.object) return true;
+  if (!a.hit) return false;
+  const SurfacePoint &s = a.first, &t = b.first;
   if (dot(s.normal, t.normal) < kEdgeCosine) return true;
   const Vec3d between = t.position - s.position;
   return std::abs(dot(between, s.geometric_normal)) > kEdgeSlope * length(between);
 }
 
-PlaneFit::PlaneFit(const std::array<double, kFirstSamples>& px, const std::array<double, kFirstSamples>& py) {
+PlaneFit::PlaneFit(const double* px, const double* py) {
   double x = 0, y = 0, xx = 0, xy = 0, yy = 0;
   for (uint32_t i = 0; i < kFirstSamples; ++i) {
     x += px[i], y += py[i];
@@ -66,15 +66,16 @@ Vec3d FilteredPixel::fitted(std::span<const Slot> slots) const {
                  plane.z * samples.z > 0 ? plane.z : 0};
   };
   Vec3d sum = same_side(background_fitted, background);
-  for (const Slot& slot : slots) sum += same_side(slot.fitted_radiance(), slot.now.unshadowed);
+  for (const Slot& slot : slots)
+    if (!slot.uncertain) sum += same_side(slot.fitted_radiance(), slot.now.unshadowed);
   return sum;
 }
 
 void tell(PixelTrace& trace, const FilteredPixel& pixel, std::span<const Slot> slots, uint32_t luminaires,
-          uint32_t lobes) {
+          uint32_t lobes, bool smooth) {
   for (uint32_t s = 0; s < slots.size(); ++s) {
     const Slot& slot = slots[s];
-    if (slot.now.unshadowed == Vec3d{}) continue;
+    if (slot.now.unshadowed == Vec3d{} || (smooth && slot.uncertain)) continue;
     const char* decision = slot.uncertain ? "may be in penumbra" : slot.lit ? "wholly seen" : "wholly hidden";
     trace.decisions.push_back({s / lobes / luminaires, s / lobes % luminaires, decision, pixel.count,
                                slot.radiance(slot.now, pixel.count)});
@@ -88,6 +89,12 @@ double FilteredPixel::prior_variance(std::span<const Slot> slots, double display
   const double opposite = std::max(mean, max_abs(unshadowed(slots)) * display_scale);
   const double spread = std::max(xx / n - mean * mean, 0.0) + opposite * opposite / n;
   return std::max(spread, opaque * (1 - opaque)) * std::pow(n, -2 * exponent);
+}
+
+void FilteredPixel::remember_power(std::span<Slot> slots) {
+  background_power = background;
+  alpha_power = alpha;
+  for (Slot& slot : slots) slot.power = slot.now;
 }
 
 void FilteredPixel::close_level(std::span<Slot> slots, double display_scale) {
@@ -128,13 +135,9 @@ void FilteredPixel::close_level(std::span<Slot> slots, double display_scale) {
              std::pow(blocks, kBlockExponent);
   if (!power_of_two) return;
   background_half = background_power;
-  background_power = background;
   alpha_half = alpha_power;
-  alpha_power = alpha;
-  for (Slot& slot : slots) {
-    slot.half = slot.power;
-    slot.power = slot.now;
-  }
+  for (Slot& slot : slots) slot.half = slot.power;
+  remember_power(slots);
 }
 
 }  // namespace penumbra

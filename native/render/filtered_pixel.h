@@ -53,32 +53,39 @@ struct FilteredPixel {
   bool uncertain = false, at_limit = false;
   PathEnd first;
 
+  /// From all samples.
+  PixelLight light(std::span<const Slot> slots) const {
+    return {estimate(slots), error, light_points, at_limit};
+  }
   /// From all samples so far.
   Vec3d estimate(std::span<const Slot> slots) const;
   /// The same, if nothing hid anything: what unseen occluders can be wrong about.
   Vec3d unshadowed(std::span<const Slot> slots) const;
-  /// From the first samples, nothing being uncertain: at the pixel's centre.
+  /// From the first samples and the certain slots alone: at the pixel's centre.
   Vec3d fitted(std::span<const Slot> slots) const;
   /// Of the estimate, from the spread of the samples alone, display units squared; with the exponent e of the
   /// standard error's n^-e.
   double prior_variance(std::span<const Slot> slots, double display_scale, double exponent) const;
+  /// Half of the first level is done.
+  void remember_power(std::span<Slot> slots);
   /// After the samples up to `count`, a level: the variance that its blocks tell; remembers the sums.
   void close_level(std::span<Slot> slots, double display_scale);
 };
 
-/// What was decided about each luminaire, for --debug-pixel. lobes: of each luminaire in the slots.
+/// What the pixel's samples decided about each luminaire, for --debug-pixel. lobes: of each luminaire in the
+/// slots. smooth: uncertain slots are told of elsewhere.
 void tell(PixelTrace& trace, const FilteredPixel& pixel, std::span<const Slot> slots, uint32_t luminaires,
-          uint32_t lobes);
+          uint32_t lobes, bool smooth);
 
-/// Do two pixels' first samples see different surfaces?
-bool edge_between(const FilteredPixel& a, const FilteredPixel& b);
+/// Do two samples see different surfaces?
+bool edge_between(const PathEnd& a, const PathEnd& b);
 
 /// Weights h of four samples at offsets (x, y) from the pixel's centre, such that sum h f is f's value there
 /// for every linear f (the intercept of the least-squares plane), and weights r such that |sum r f| is the
 /// residual. Equal weights, and no residual, where the points are nearly on a line.
 struct PlaneFit {
   std::array<double, kFirstSamples> h, r;
-  PlaneFit(const std::array<double, kFirstSamples>& x, const std::array<double, kFirstSamples>& y);
+  PlaneFit(const double* x, const double* y);
 };
 
 }  // namespace penumbra

@@ -23,7 +23,8 @@ constexpr int kIntervals = 1024;
 
 }  // namespace
 
-PixelFilter::PixelFilter(FilterKind kind, double width) : width_(width) {
+PixelFilter::PixelFilter(FilterKind kind, double width)
+    : support_(kind == FilterKind::kBox ? width : 2 * width) {
   if (kind == FilterKind::kBox) return;
   cumulative_.resize(kIntervals + 1);
   for (int i = 0; i <= kIntervals; ++i) cumulative_[i] = blackman_harris_integral(double(i) / kIntervals);
@@ -33,14 +34,24 @@ PixelFilter::PixelFilter(FilterKind kind, double width) : width_(width) {
   }
 }
 
+double PixelFilter::variance() const {
+  if (cumulative_.empty()) return support_ * support_ / 12;
+  double sum = 0;
+  for (int i = 0; i < kIntervals; ++i) {
+    const double x = ((i + 0.5) / kIntervals - 0.5) * support_;
+    sum += x * x * (cumulative_[i + 1] - cumulative_[i]);
+  }
+  return sum;
+}
+
 double PixelFilter::offset(double x) const {
-  if (cumulative_.empty()) return (x - 0.5) * width_;
+  if (cumulative_.empty()) return (x - 0.5) * support_;
   // Linear between the table's places: the filter becomes a histogram of 1024 steps.
   int i = guide_[size_t(x * kIntervals)];
   while (i + 1 < kIntervals && cumulative_[i + 1] <= x) ++i;
   const double low = cumulative_[i], high = cumulative_[i + 1];
   const double fraction = high > low ? (x - low) / (high - low) : 0.5;
-  return ((i + fraction) / kIntervals - 0.5) * width_;
+  return ((i + fraction) / kIntervals - 0.5) * support_;
 }
 
 }  // namespace penumbra

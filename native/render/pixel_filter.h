@@ -12,14 +12,19 @@ enum class FilterKind { kBox, kBlackmanHarris };
 /// Separable and positive, so that all samples have weight 1.
 class PixelFilter {
  public:
-  /// width: full support in pixels.
+  /// width: as Cycles has it, of a box the whole support in pixels, of Blackman-Harris half of it.
   PixelFilter(FilterKind kind, double width);
+
+  /// Whole width in pixels of the square that offsets lie in.
+  double support() const { return support_; }
+  /// Second moment of the offsets along one axis, pixels squared.
+  double variance() const;
 
   /// Offset in pixels, distributed as the filter. x in [0, 1).
   double offset(double x) const;
 
  private:
-  double width_;
+  double support_;
   // Of the filter over its support; empty for a box, whose inverse is linear.
   std::vector<double> cumulative_;
   std::vector<uint16_t> guide_;  // for each 1/1024 of x, the interval where the search for its inverse begins

@@ -168,7 +168,8 @@ void Renderer::run_thread(double begin) {
 }
 
 RenderContext Renderer::context() {
-  return {settings_, *scene_,         *geometry_,           camera_, paths_, luminaires_, *lighting_,
+  return {settings_, *scene_,         *geometry_,           camera_,
+          paths_,    luminaires_,     *lighting_,           *light_sampler_,
           filter_,   *pixel_sampler_, pixel_light_sampler_, film_};
 }
 

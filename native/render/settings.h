@@ -30,7 +30,7 @@ struct RenderSettings {
   uint32_t pixel_samples = 1;
   uint32_t max_pixel_samples = 8192;
   FilterKind filter_type = FilterKind::kBlackmanHarris;
-  double filter_width = 1.5;  // pixels
+  double filter_width = 1.5;  // see PixelFilter
   uint32_t mirror_depth = 4;
   uint32_t seed = 0;
   double error_tolerance = 0.004;  // display units

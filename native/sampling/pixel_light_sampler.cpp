@@ -1,9 +1,22 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "sampling/pixel_light_sampler.h"
 
+#include "math/simd.h"
 #include "sampling/hash.h"
 
 namespace penumbra {
+namespace {
+
+PENUMBRA_VECTORIZED
+void owen_scramble(const FixedPoint2* reversed, uint32_t seed_u, uint32_t seed_v, uint32_t count, float* u,
+                   float* v) {
+  for (uint32_t i = 0; i < count; ++i) {
+    u[i] = float(reverse_bits(owen_scramble_reversed(reversed[i].u, seed_u)) >> 8) * 0x1p-24f;
+    v[i] = float(reverse_bits(owen_scramble_reversed(reversed[i].v, seed_v)) >> 8) * 0x1p-24f;
+  }
+}
+
+}  // namespace
 
 PixelLightSampler::PixelLightSampler(uint32_t count, uint32_t seed)
     : seed_(seed), pixel_(count), light_(count) {
@@ -14,11 +27,10 @@ PixelLightSampler::PixelLightSampler(uint32_t count, uint32_t seed)
   }
 }
 
-UnitPoint PixelLightSampler::scrambled(FixedPoint2 reversed, uint64_t key) const {
+void PixelLightSampler::scramble(const FixedPoint2* reversed, uint64_t key, uint32_t count, float* u,
+                                 float* v) const {
   const uint64_t bits = hash_of(seed_, key);
-  const uint32_t u = reverse_bits(owen_scramble_reversed(reversed.u, uint32_t(bits)));
-  const uint32_t v = reverse_bits(owen_scramble_reversed(reversed.v, uint32_t(bits >> 32)));
-  return {float(u >> 8) * 0x1p-24f, float(v >> 8) * 0x1p-24f};
+  owen_scramble(reversed, uint32_t(bits), uint32_t(bits >> 32), count, u, v);
 }
 
 }  // namespace penumbra

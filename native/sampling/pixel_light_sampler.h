@@ -9,24 +9,23 @@
 
 namespace penumbra {
 
-/// A point of the unit square in single precision, multiples of 2^-24, never 1.
-struct UnitPoint {
-  float u, v;
-};
-
 /// Owen-scrambled Sobol', independent for each key. Samples with the same index belong together.
 class PixelLightSampler {
  public:
   /// Tables for indices below `count`.
   PixelLightSampler(uint32_t count, uint32_t seed);
 
-  /// Place in the pixel. key: the pixel.
-  UnitPoint pixel(uint64_t key, uint32_t index) const { return scrambled(pixel_[index], key); }
-  /// Place on a luminaire. key: pixel, luminaire and number of mirrors before.
-  UnitPoint light(uint64_t key, uint32_t index) const { return scrambled(light_[index], key); }
+  /// Places in the pixel of samples [first, first + count), multiples of 2^-24 in [0, 1). key: the pixel.
+  void pixel(uint64_t key, uint32_t first, uint32_t count, float* u, float* v) const {
+    scramble(&pixel_[first], key, count, u, v);
+  }
+  /// Places on a luminaire. key: pixel, luminaire and number of mirrors before.
+  void light(uint64_t key, uint32_t first, uint32_t count, float* u, float* v) const {
+    scramble(&light_[first], key, count, u, v);
+  }
 
  private:
-  UnitPoint scrambled(FixedPoint2 reversed, uint64_t key) const;
+  void scramble(const FixedPoint2* reversed, uint64_t key, uint32_t count, float* u, float* v) const;
 
   uint32_t seed_;
   std::vector<FixedPoint2> pixel_, light_;  // digits reversed

@@ -29,7 +29,7 @@ TEST(PixelFilter, OffsetsAreDistributedAsBlackmanHarris) {
     int step = 0;
     for (int k = 0; k <= 1000; ++k) {
       const double x = k == 1000 ? 1 - 0x1p-24 : k / 1000.0;
-      const double place = (filter.offset(x) / width + 0.5) * kSteps;  // in steps
+      const double place = (filter.offset(x) / (2 * width) + 0.5) * kSteps;  // in steps
       while (step < int(place)) sum += window((step++ + 0.5) / kSteps - 0.5);
       const double within = (place - step) * window((step + 0.5) / kSteps - 0.5);
       EXPECT_NEAR((sum + within) / total, x, 2e-6) << "width " << width;
@@ -41,11 +41,12 @@ TEST(PixelFilter, StaysInItsSupportAndGrows) {
   for (FilterKind kind : {FilterKind::kBox, FilterKind::kBlackmanHarris})
     for (double width : {1e-3, 1.0, 1.5, 10.0}) {
       const PixelFilter filter(kind, width);
+      EXPECT_EQ(filter.support(), kind == FilterKind::kBox ? width : 2 * width);
       double before = -width;
       for (int i = 0; i <= 4096; ++i) {
         const double x = i == 4096 ? 1 - 0x1p-24 : i / 4096.0, offset = filter.offset(x);
-        EXPECT_GE(offset, -width / 2);
-        EXPECT_LE(offset, width / 2);
+        EXPECT_GE(offset, -filter.support() / 2);
+        EXPECT_LE(offset, filter.support() / 2);
         EXPECT_GE(offset, before);
         before = offset;
       }
@@ -62,7 +63,7 @@ TEST(PixelFilter, HasMeanZeroAndItsVariance) {
       weight += window(x);
       square += window(x) * x * x;
     }
-    const double variances[2] = {width * width / 12, square / weight * width * width};
+    const double variances[2] = {width * width / 12, square / weight * 4 * width * width};
     for (FilterKind kind : {FilterKind::kBox, FilterKind::kBlackmanHarris}) {
       const PixelFilter filter(kind, width);
       double mean = 0, variance = 0;

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lighting/item_sampler.h"
+
+#include <algorithm>
+
+#include "sampling/hash.h"
+#include "visibility/shadow_rays.h"
+
+namespace penumbra {
+namespace {
+
+/// Points for the unshadowed Phong lobe, which has no closed form: shading only, no rays.
+constexpr uint32_t kPhongPoints = 1024;
+
+/// B blocks of n / B points overstate the variance of the whole by B to this power: 3/2 for an edge through
+/// the luminaire (Owen-scrambled nets), 1 for independent points; foliage lies between.
+constexpr double kBlockExponent = 1.35;
+
+/// Estimates of blocks of equal size, from the sums at their ends, tell the variance of the whole.
+double block_variance(const BoundedItem& item) {
+  double values[3];
+  int blocks = 2;
+  const bool power_of_two = (item.count & (item.count - 1)) == 0;
+  if (power_of_two) {
+    values[0] = item.display(item.at_power);
+    values[1] = item.display(item.sums - item.at_power);
+  } else {
+    values[0] = item.display(item.at_half);
+    values[1] = item.display(item.at_power - item.at_half);
+    values[2] = item.display(item.sums - item.at_power);
+    blocks = 3;
+  }
+  double mean = 0, squares = 0;
+  for (int i = 0; i < blocks; ++i) mean += values[i] / blocks;
+  for (int i = 0; i < blocks; ++i) squares += (values[i] - mean) * (values[i] - mean);
+  return squares / (blocks - 1) / std::pow(blocks, kBlockExponent);
+}
+
+}  // namespace
+
+StreamKey ItemSampler::key(const BoundedItem& item) const {
+  const uint64_t index = points_[item.point].stream * luminaires_.size() + item.luminaire;
+  return {index, hash_of(index)};
+}
+
+BoundedItem ItemSampler::make(uint32_t point, uint32_t luminaire, double form_factor) const {
+  const LitPoint& lit = points_[point];
+  BoundedItem item;
+  item.point = point;
+  item.luminaire = luminaire;
+  const Vec3d arriving = lit.throughput * luminaires_[luminaire].radiance();
+  item.diffuse = arriving * lit.material->diffuse * form_factor;
+  if (max_component(lit.material->phong) > 0)
+    item.phong = arriving * lit.material->phong * unshadowed_phong(lit, luminaires_[luminaire], key(item));
+  item.diffuse_size = max_abs(item.diffuse) * settings_.display_scale;
+  item.phong_size = max_abs(item.phong) * settings_.display_scale;
+  return item;
+}
+
+double ItemSampler::unshadowed_phong(const LitPoint& lit, const Luminaire& luminaire,
+                                     const StreamKey& key) const {
+  const ShadingPoint point(lit.surface, *lit.material, lit.ray_direction);
+  alignas(64) float u[kBatch], v[kBatch], phong[kBatch];
+  LightPoints points;
+  double sum = 0;
+  const uint32_t count = std::min(kPhongPoints, settings_.max_light_samples / kPacket * kPacket);
+  for (uint32_t first = 0; first < count; first += kBatch) {
+    const uint32_t n = std::min(kBatch, count - first);
+    sampler_.points(key, first, n, u, v);
+    luminaire.evaluate(lit.surface, u, v, n, points);
+    evaluate_phong(point, points.x, points.y, points.z, points.form_factor, n, phong);
+    for (uint32_t i = 0; i < n; ++i) sum += double(phong[i]);
+  }
+  return sum / count;
+}
+
+void ItemSampler::look(BoundedItem& item, LightTally& tally) const {
+  alignas(64) float u[kPacket], v[kPacket];
+  alignas(64) int traced[kPacket];
+  LightPoints points;
+  const LitPoint& lit = points_[item.point];
+  const Luminaire& luminaire = luminaires_[item.luminaire];
+  sampler_.points(key(item), 0, kPacket, u, v);
+  luminaire.evaluate(lit.surface, u, v, kPacket, points);
+  float* f = points.form_factor;
+  const uint32_t looks = luminaire.is_point() ? 1 : kFirstLook;
+  std::fill(f + looks, f + kPacket, 0.0f);
+  uint8_t facing = 0;
+  for (uint32_t i = 0; i < kFirstLook; ++i) facing |= uint8_t((f[i] > 0) << i);
+  if (luminaire.casts_shadow())
+    tally.shadow_rays += ShadowRays(geometry_, lit.surface).hide(points.x, points.y, points.z, f, traced);
+  for (uint32_t i = 0; i < kFirstLook; ++i) item.first_lit |= uint8_t((f[i] > 0) << i);
+  item.first_dark = facing & uint8_t(~item.first_lit);
+  item.looked = true;
+}
+
+void ItemSampler::advance(BoundedItem& item, uint32_t target, LightTally& tally) const {
+  const LitPoint& lit = points_[item.point];
+  const Luminaire& luminaire = luminaires_[item.luminaire];
+  const ShadingPoint point(lit.surface, *lit.material, lit.ray_direction);
+  const ShadowRays rays(geometry_, lit.surface);
+  alignas(64) float u[kPacket], v[kPacket], unshadowed[kPacket], phong[kPacket], visible_phong[kPacket];
+  alignas(64) int traced[kPacket] = {};
+  LightPoints points;
+  for (; item.count < target; item.count += kPacket) {
+    sampler_.points(key(item), item.count, kPacket, u, v);
+    luminaire.evaluate(lit.surface, u, v, kPacket, points);
+    float* f = points.form_factor;
+    std::copy(f, f + kPacket, unshadowed);
+    // The first look's rays are known already.
+    float known[kFirstLook];
+    const bool looked = item.count == 0 && item.looked;
+    if (looked) {
+      for (uint32_t i = 0; i < kFirstLook; ++i) {
+        known[i] = item.first_lit >> i & 1 ? f[i] : 0.0f;
+        f[i] = 0;
+      }
+    }
+    if (luminaire.casts_shadow()) tally.shadow_rays += rays.hide(points.x, points.y, points.z, f, traced);
+    if (looked) std::copy(known, known + kFirstLook, f);
+    if (point.has_phong) {
+      evaluate_phong(point, points.x, points.y, points.z, unshadowed, kPacket, phong);
+      evaluate_phong(point, points.x, points.y, points.z, f, kPacket, visible_phong);
+    }
+    for (uint32_t i = 0; i < kPacket; ++i) {
+      if (item.count == 0 && i == kPacket / 2) item.at_power = item.sums;  // halves of the first packet
+      item.sums.f += double(unshadowed[i]);
+      item.sums.fv += double(f[i]);
+      item.facing += unshadowed[i] > 0;
+      item.lit += f[i] > 0;
+      if (point.has_phong) {
+        item.sums.p += double(phong[i]);
+        item.sums.pv += double(visible_phong[i]);
+      }
+    }
+  }
+  item.variance = block_variance(item);
+  const bool power_of_two = (item.count & (item.count - 1)) == 0;
+  if (power_of_two) {
+    item.at_half = item.at_power;
+    item.at_power = item.sums;
+  }
+}
+
+}  // namespace penumbra

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "render/centre_light.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace penumbra {
+namespace {
+
+/// Share of the tolerance that taking the centre for the filtered pixel may cost.
+constexpr double kFilterShare = 0.3;
+
+/// What noise of 16 points adds to a second difference, as a share of the unshadowed value: three standard
+/// deviations, sqrt(6) for the difference times 16^-3/4 / 2 for each value.
+constexpr double kFirstNoise = 3 * 2.45 * 0.125 * 0.5;
+
+}  // namespace
+
+CentreLight::CentreLight(const RenderContext& context, const Block& block, FilteredFrame& frame,
+                         const std::vector<FilteredPixel>& pixels, RenderTally& tally)
+    : c_(context),
+      block_(block),
+      frame_(frame),
+      pixels_(pixels),
+      tally_(tally),
+      settings_{context.settings.error_tolerance, std::exp2(context.settings.exposure),
+                context.settings.max_light_samples},
+      luminaires_(uint32_t(context.luminaires.size())),
+      lobes_(frame.phong ? 2 : 1),
+      pairs_(luminaires_ * context.paths.length()),
+      first_point_(block.pixels(), kNone),
+      path_length_(block.pixels(), 0),
+      item_of_(size_t(block.pixels()) * pairs_, kNone),
+      light_(block.pixels()),
+      sampler_(context.geometry, context.luminaires, context.light_sampler, points_, settings_) {}
+
+bool CentreLight::uncertain(uint32_t p, uint32_t pair) const {
+  const Slot* slot = &frame_.of_pixel(p)[pair * lobes_];
+  return slot[0].uncertain || slot[lobes_ - 1].uncertain;
+}
+
+void CentreLight::start(std::span<const uint32_t> pixels) {
+  uint32_t untraced[kPacket], count = 0;
+  for (uint32_t p : pixels)
+    if (first_point_[p] == kNone) untraced[count++] = p;
+  if (count) trace({untraced, count});
+  for (uint32_t p : pixels)
+    if (!frame_.edge[p]) add_items(p);
+}
+
+void CentreLight::trace(std::span<const uint32_t> pixels) {
+  Ray rays[kPacket];
+  Hit hits[kPacket];
+  for (size_t i = 0; i < pixels.size(); ++i)
+    rays[i] = c_.camera.through(frame_.area.x + pixels[i] % block_.width + 0.5,
+                                frame_.area.y + pixels[i] / block_.width + 0.5);
+  c_.geometry.intersect(rays, (1u << pixels.size()) - 1, hits);
+  tally_.primary_rays += pixels.size();
+  for (size_t i = 0; i < pixels.size(); ++i) {
+    const uint32_t p = pixels[i];
+    const uint64_t stream =
+        uint64_t(frame_.area.y + p / block_.width) * c_.settings.width + frame_.area.x + p % block_.width;
+    first_point_[p] = uint32_t(points_.size());
+    const PathEnd end = c_.paths.follow(rays[i], hits[i], p, stream, points_, tally_.mirror_rays);
+    path_length_[p] = uint32_t(points_.size()) - first_point_[p];
+    if (edge_between(end, pixels_[p].first)) frame_.edge[p] = 1;
+  }
+}
+
+void CentreLight::add_items(uint32_t p) {
+  for (uint32_t pair = 0; pair < path_length_[p] * luminaires_; ++pair) {
+    if (!uncertain(p, pair) || item_of(p, pair) != kNone) continue;
+    const uint32_t point = first_point_[p] + pair / luminaires_, l = pair % luminaires_;
+    const double form_factor = c_.luminaires[l].form_factor(points_[point].surface);
+    if (form_factor <= 0) continue;
+    item_of(p, pair) = uint32_t(items_.size());
+    items_.push_back(sampler_.make(point, l, form_factor));
+    sampler_.advance(items_.back(), next_level(0), tally_.light);
+  }
+}
+
+bool CentreLight::mixed(uint32_t p, uint32_t slot) const {
+  const uint32_t i = item_of(p, slot / lobes_);
+  return i != kNone && items_[i].lit > 0 && items_[i].lit < items_[i].facing;
+}
+
+void CentreLight::tell(PixelTrace& trace) const {
+  for (uint32_t pair = 0; pair < pairs_; ++pair) {
+    if (item_of(trace.pixel, pair) == kNone) continue;
+    const BoundedItem& item = items_[item_of(trace.pixel, pair)];
+    trace.decisions.push_back({pair / luminaires_, item.luminaire,
+                               "in penumbra, seen from the pixel's centre", item.count, item.radiance()});
+  }
+}
+
+/// Display value of one luminaire's light in one bounce.
+double CentreLight::value(uint32_t p, uint32_t pair) const {
+  const uint32_t i = item_of(p, pair);
+  if (i != kNone) return items_[i].display(items_[i].sums);
+  double sum = 0;
+  for (uint32_t lobe = 0; lobe < lobes_; ++lobe)
+    sum += max_abs(frame_.of_pixel(p)[pair * lobes_ + lobe].fitted_radiance());
+  return sum * settings_.display_scale;
+}
+
+/// How far the filtered value may be from the centre's: half the filter's second moment times the second
+/// differences along rows and columns, for whole pixels of the tile. At its edge the one further in and its
+/// change stand for it; where too few neighbours are known, first differences do.
+double CentreLight::filter_error(uint32_t p, uint32_t pair, const Rectangle& tile) const {
+  const uint32_t at[2] = {p % block_.width - tile.x, p / block_.width - tile.y},
+                 size[2] = {tile.width, tile.height}, stride[2] = {1, block_.width};
+  const double here = value(p, pair);
+  double sum = 0;
+  for (int axis = 0; axis < 2; ++axis) {
+    // Values from two pixels before to three behind; those of edges and outside the tile are not known.
+    const auto known = [&](int d) {
+      const int i = int(at[axis]) + d;
+      return i >= 0 && i < int(size[axis]) && !frame_.edge[p + uint32_t(d) * stride[axis]];
+    };
+    const auto at_distance = [&](int d) { return value(p + uint32_t(d) * stride[axis], pair); };
+    const auto bend = [&](int d) { return at_distance(d - 1) - 2 * at_distance(d) + at_distance(d + 1); };
+    if (known(-1) && known(1)) {
+      sum += std::abs(bend(0));
+    } else if (known(1) && known(2) && known(3)) {
+      sum += std::abs(bend(1)) + std::abs(bend(2) - bend(1));
+    } else if (known(-1) && known(-2) && known(-3)) {
+      sum += std::abs(bend(-1)) + std::abs(bend(-2) - bend(-1));
+    } else if (known(1) || known(-1)) {
+      const double step = std::abs(at_distance(known(1) ? 1 : -1) - here);
+      sum += std::max(2 * step, settings_.tolerance);
+    } else {
+      return size[axis] == 1 ? 0 : 1e30;  // a picture of one line
+    }
+  }
+  return 0.5 * c_.filter.variance() * sum;
+}
+
+/// Keeps the pixels whose filtered value is their centre's, and makes edges of the others.
+std::vector<uint32_t> CentreLight::keep_smooth(std::span<const uint32_t> pixels, const Rectangle& tile,
+                                               bool first) {
+  std::vector<uint32_t> kept, bent;
+  for (uint32_t p : pixels) {
+    double error = 0;
+    for (uint32_t pair = 0; pair < pairs_; ++pair) {
+      if (!uncertain(p, pair)) continue;
+      const uint32_t i = item_of(p, pair);
+      const double noise = first && i != kNone ? kFirstNoise * items_[i].size() * c_.filter.variance() : 0;
+      error += std::max(filter_error(p, pair, tile) - noise, 0.0);
+    }
+    (error > kFilterShare * settings_.tolerance ? bent : kept).push_back(p);
+    if (!first) light_[p].error += error;
+  }
+  for (uint32_t p : bent) frame_.edge[p] = 1;
+  return kept;
+}
+
+void CentreLight::refine(std::span<const uint32_t> pixels, const Rectangle& tile) {
+  const std::vector<uint32_t> smooth = keep_smooth(pixels, tile, true);
+  std::vector<BoundedItem*> items;
+  for (uint32_t p : smooth) {
+    const FilteredPixel& pixel = pixels_[p];
+    light_[p] = {};
+    light_[p].radiance = pixel.fitted(frame_.of_pixel(p));
+    light_[p].error = pixel.charged / pixel.count;
+    light_[p].points = pixel.light_points;
+    for (uint32_t pair = 0; pair < pairs_; ++pair)
+      if (item_of(p, pair) != kNone) items.push_back(&items_[item_of(p, pair)]);
+  }
+  TileRefiner(sampler_, points_, block_, settings_).refine(items, light_, tally_.light);
+  for (const BoundedItem* item : items) light_[points_[item->point].pixel].points += item->count;
+  keep_smooth(smooth, tile, false);
+}
+
+}  // namespace penumbra

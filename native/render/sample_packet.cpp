@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "render/sample_packet.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sampling/hash.h"
+
+namespace penumbra {
+namespace {
+
+/// Share of the tolerance that dim luminaires may be charged for being left out of the ray count.
+constexpr double kDropShare = 0.125;
+
+}  // namespace
+
+SamplePacket::SamplePacket(const RenderContext& context, const FilteredFrame& frame, RenderTally& tally)
+    : c_(context),
+      frame_(frame),
+      tally_(tally),
+      display_scale_(std::exp2(context.settings.exposure)),
+      tolerance_(context.settings.error_tolerance),
+      luminaires_(uint32_t(context.luminaires.size())),
+      lobes_(frame.phong ? 2 : 1),
+      queue_(context.geometry) {
+  // The queue points into it.
+  visible_.reserve(size_t(kPacket) * context.paths.length() * luminaires_);
+}
+
+uint64_t SamplePacket::frame_pixel(uint32_t p) const {
+  return uint64_t(frame_.area.y + p / frame_.block_width) * c_.settings.width + frame_.area.x +
+         p % frame_.block_width;
+}
+
+void SamplePacket::trace(std::span<const SampleRun> runs) {
+  find_points(runs);
+  contributions_.clear();
+  visible_.clear();
+  const uint64_t traced_before = queue_.traced();
+  for (uint32_t begin = 0; begin < points_.size(); begin += kBatch) {
+    const uint32_t end = std::min(begin + kBatch, uint32_t(points_.size()));
+    SurfaceColumns columns;
+    for (uint32_t k = begin; k < end; ++k) columns.add(points_[k].surface);
+    for (uint32_t l = 0; l < luminaires_; ++l) light(runs, l, begin, end, columns);
+  }
+  queue_.flush();
+  tally_.light.shadow_rays += queue_.traced() - traced_before;
+}
+
+/// Camera rays, and the surface points that they see.
+void SamplePacket::find_points(std::span<const SampleRun> runs) {
+  alignas(64) float u[kPacket], v[kPacket];
+  Ray rays[kPacket];
+  Hit hits[kPacket];
+  uint32_t lane = 0;
+  for (const SampleRun& run : runs) {
+    const uint64_t frame = frame_pixel(run.pixel);
+    const double x = frame_.area.x + run.pixel % frame_.block_width + 0.5,
+                 y = frame_.area.y + run.pixel / frame_.block_width + 0.5;
+    c_.pixel_light_sampler.pixel(frame, run.first, run.count, u, v);
+    for (uint32_t i = 0; i < run.count; ++i, ++lane) {
+      dx[lane] = c_.filter.offset(double(u[i])), dy[lane] = c_.filter.offset(double(v[i]));
+      rays[lane] = c_.camera.through(x + dx[lane], y + dy[lane]);
+      lanes_[lane] = {run.pixel, run.first + i, frame};
+      charge[lane] = 0;
+      rays_of[lane] = 0;
+    }
+  }
+  c_.geometry.intersect(rays, (1u << lane) - 1, hits);
+  tally_.primary_rays += lane;
+  points_.clear();
+  for (uint32_t i = 0; i < lane; ++i)
+    ends[i] = c_.paths.follow(rays[i], hits[i], i, 0, points_, tally_.mirror_rays);
+}
+
+/// A point of the luminaire for each of the surface points [begin, end).
+void SamplePacket::place_on_light(std::span<const SampleRun> runs, uint32_t luminaire, uint32_t begin,
+                                  uint32_t end, float* u, float* v) const {
+  alignas(64) float lane_u[kPacket], lane_v[kPacket];
+  uint32_t lane = 0;
+  for (const SampleRun& run : runs) {
+    c_.pixel_light_sampler.light(hash_of(lanes_[lane].frame_pixel, luminaire * lobes_), run.first, run.count,
+                                 lane_u + lane, lane_v + lane);
+    lane += run.count;
+  }
+  for (uint32_t k = begin; k < end; ++k) {
+    const Lane& at = lanes_[points_[k].pixel];
+    u[k - begin] = lane_u[points_[k].pixel], v[k - begin] = lane_v[points_[k].pixel];
+    if (points_[k].bounce == 0) continue;
+    const uint32_t slot = (points_[k].bounce * luminaires_ + luminaire) * lobes_;
+    c_.pixel_light_sampler.light(hash_of(at.frame_pixel, slot), at.index, 1, u + (k - begin),
+                                 v + (k - begin));
+  }
+}
+
+/// First looks go everywhere, and where penumbra was found all samples do. At edges what lies between two
+/// surfaces may hide luminaires from a part of the pixel that no sample has met yet: there another ray a
+/// sample looks at one luminaire after the other.
+bool SamplePacket::wants_ray(const Lane& lane, const Slot& slot, uint32_t luminaire) const {
+  if (lane.index < kFirstSamples || slot.uncertain) return true;
+  return frame_.edge[lane.pixel] && (lane.index + luminaire) % luminaires_ == 0;
+}
+
+int64_t SamplePacket::add_ray(const LitPoint& lit, const Luminaire& luminaire, const Vec3f& to_light) {
+  visible_.push_back(1);
+  ++rays_of[lit.pixel];
+  if (luminaire.casts_shadow()) queue_.add(lit.surface, to_light, visible_.back());
+  return int64_t(visible_.size()) - 1;
+}
+
+/// What one luminaire sends to the surface points [begin, end).
+void SamplePacket::light(std::span<const SampleRun> runs, uint32_t l, uint32_t begin, uint32_t end,
+                         const SurfaceColumns& columns) {
+  const Luminaire& luminaire = c_.luminaires[l];
+  alignas(64) double form_factors[kBatch];
+  alignas(64) float u[kBatch], v[kBatch];
+  LightPoints on_light;
+  luminaire.form_factors(columns, form_factors);
+  place_on_light(runs, l, begin, end, u, v);
+  luminaire.evaluate_each(columns, u, v, on_light);
+  for (uint32_t k = begin; k < end; ++k) {
+    const LitPoint& lit = points_[k];
+    const uint32_t lane = lit.pixel, i = k - begin;
+    if (form_factors[i] <= 0) {
+      ++tally_.light.decided_without_ray;
+      continue;
+    }
+    const bool has_phong = frame_.phong && max_abs(lit.material->phong) > 0;
+    const Vec3d arriving = lit.throughput * luminaire.radiance();
+    const Vec3d diffuse = arriving * lit.material->diffuse * form_factors[i];
+    const double size = max_abs(diffuse) * display_scale_;
+    // Too dim for a ray: half of it is added, and half of it is the error at most.
+    if (luminaires_ > 1 && !has_phong && charge[lane] + size / 2 <= kDropShare * tolerance_) {
+      charge[lane] += size / 2;
+      ++tally_.light.decided_without_ray;
+      ends[lane].background += diffuse * 0.5;
+      continue;
+    }
+    const uint32_t s = (lit.bounce * luminaires_ + l) * lobes_;
+    const Slot* slot = &frame_.of_pixel(lanes_[lane].pixel)[s];
+    const bool wanted = wants_ray(lanes_[lane], *slot, l) || (frame_.phong && slot[1].uncertain);
+    const Vec3f to_light(on_light.x[i], on_light.y[i], on_light.z[i]);
+    const float sampled = on_light.form_factor[i];
+    const int64_t ray = wanted && sampled > 0 ? add_ray(lit, luminaire, to_light) : kNoRay;
+    if (size > 0) contributions_.push_back({lane, s, diffuse, size * double(sampled) / form_factors[i], ray});
+    if (!has_phong) continue;
+    // No closed form: the sampled value itself stands for the unshadowed one.
+    float lobe;
+    evaluate_phong(ShadingPoint(lit.surface, *lit.material, lit.ray_direction), &to_light.x, &to_light.y,
+                   &to_light.z, &sampled, 1, &lobe);
+    const Vec3d specular = arriving * lit.material->phong * double(lobe);
+    if (lobe > 0) contributions_.push_back({lane, s + 1, specular, max_abs(specular) * display_scale_, ray});
+  }
+}
+
+}  // namespace penumbra
