@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "luminaire/flat_emitter.h"
+#include "luminaire/mesh_emitter.h"
 #include "luminaire/point_emitter.h"
 #include "luminaire/sun_emitter.h"
 
@@ -25,6 +26,10 @@ Parts make_parts(const PointLuminaire& d, const Normalization& n) {
 
 Parts make_parts(const SunLuminaire& d, const Normalization&) {
   return {std::make_shared<SunEmitter>(d), d.irradiance / std::numbers::pi};
+}
+
+Parts make_parts(const MeshLuminaire& d, const Normalization& n) {
+  return {std::make_shared<MeshEmitter>(d, n), d.radiance};
 }
 
 }  // namespace

@@ -14,8 +14,11 @@ namespace penumbra {
 class Luminaire {
  public:
   Luminaire(const LuminaireDescription& description, const Normalization& normalization);
-  Luminaire(std::shared_ptr<const Emitter> emitter, const Vec3d& radiance, bool cast_shadow)
-      : emitter_(std::move(emitter)), radiance_(radiance), cast_shadow_(cast_shadow) {}
+  Luminaire(std::string name, std::shared_ptr<const Emitter> emitter, const Vec3d& radiance, bool cast_shadow)
+      : name_(std::move(name)),
+        emitter_(std::move(emitter)),
+        radiance_(radiance),
+        cast_shadow_(cast_shadow) {}
 
   /// The luminaire emits nothing: no power or no area.
   bool dark() const { return max_abs(radiance_) == 0 || emitter_->dark(); }

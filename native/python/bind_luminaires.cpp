@@ -97,6 +97,21 @@ cosine_falloff multiplies it with the cosine to the axis.)")
 
 to_sun: direction (x, y, z). angle: diameter in radians, 0 ... pi; 0 is one direction. irradiance: (r, g, b), W/m^2 of a
 surface that faces it.)")
+      .def(
+          "add_mesh_light",
+          [](PythonScene& self, const std::string& name, const py::array& positions,
+             const py::array& triangles, const py::array& world_from_object, const Color& radiance) {
+            MeshLuminaire light{name, read_positions(positions, name), read_triangles(triangles, name),
+                                vec(radiance)};
+            const Affine t = read_transform(world_from_object, name, "world_from_object");
+            for (Vec3d& p : light.positions) p = t.point(p);
+            self.scene->add_luminaire(std::move(light));
+          },
+          py::arg("name"), py::arg("positions"), py::arg("triangles"), py::arg("world_from_object"),
+          py::arg("radiance"),
+          R"(Adds triangles as one luminaire that emits on both sides; they should be part of a mesh of the scene, too.
+
+Arguments as of add_mesh and add_instance. radiance: (r, g, b), W/(sr m^2).)")
       .def_static(
           "area_of",
           [](const std::string& shape, const py::array& world_from_light, const Pair& size) {

@@ -2,9 +2,12 @@
 // The kinds of luminaires a scene can have, in world space.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "math/transform.h"
 
@@ -53,6 +56,15 @@ struct SunLuminaire {
   bool cast_shadow = true;
 };
 
-using LuminaireDescription = std::variant<AreaLuminaire, PointLuminaire, SunLuminaire>;
+/// Triangles of constant radiance, on both sides. The same triangles are part of the scene's geometry.
+struct MeshLuminaire {
+  std::string name;
+  std::vector<Vec3d> positions;  // world space
+  std::vector<std::array<uint32_t, 3>> triangles;
+  Vec3d radiance;  // W / (sr m^2)
+  bool cast_shadow = true;
+};
+
+using LuminaireDescription = std::variant<AreaLuminaire, PointLuminaire, SunLuminaire, MeshLuminaire>;
 
 }  // namespace penumbra

@@ -19,6 +19,17 @@ bool is_albedo(const Vec3d& a) {
   return is_finite(a) && std::min({a.x, a.y, a.z}) >= 0 && max_component(a) <= 1;
 }
 
+void check_triangles(const std::string& name, const std::vector<Vec3d>& positions,
+                     const std::vector<std::array<uint32_t, 3>>& triangles) {
+  for (size_t i = 0; i < positions.size(); ++i)
+    if (!is_finite(positions[i])) refuse(name, "vertex " + std::to_string(i) + " is not finite");
+  for (size_t i = 0; i < triangles.size(); ++i)
+    for (uint32_t index : triangles[i])
+      if (index >= positions.size())
+        refuse(name, "triangle " + std::to_string(i) + " names vertex " + std::to_string(index) +
+                         ", but there are " + std::to_string(positions.size()));
+}
+
 template <typename T>
 uint64_t hash_array(uint64_t h, const std::vector<T>& values) {
   return hash_bytes(h, values.data(), values.size() * sizeof(T));
@@ -32,13 +43,7 @@ void Scene::check_not_frozen(const std::string& name) const {
 
 uint32_t Scene::add_mesh(Mesh mesh) {
   check_not_frozen(mesh.name);
-  for (size_t i = 0; i < mesh.positions.size(); ++i)
-    if (!is_finite(mesh.positions[i])) refuse(mesh.name, "vertex " + std::to_string(i) + " is not finite");
-  for (size_t i = 0; i < mesh.triangles.size(); ++i)
-    for (uint32_t index : mesh.triangles[i])
-      if (index >= mesh.positions.size())
-        refuse(mesh.name, "triangle " + std::to_string(i) + " names vertex " + std::to_string(index) +
-                              ", but there are " + std::to_string(mesh.positions.size()));
+  check_triangles(mesh.name, mesh.positions, mesh.triangles);
   if (!mesh.corner_normals.empty() && mesh.corner_normals.size() != 3 * mesh.triangles.size())
     refuse(mesh.name, "corner normals do not match the number of triangles");
   if (!mesh.material_slots.empty() && mesh.material_slots.size() != mesh.triangles.size())
@@ -127,6 +132,14 @@ void Scene::add_luminaire(SunLuminaire luminaire) {
   hash_ = hash_bytes(hash_, &luminaire.to_sun, sizeof(Vec3d));
   hash_ = hash_bytes(hash_, &luminaire.irradiance, sizeof(Vec3d));
   hash_ = hash_of(hash_bytes(hash_, &luminaire.half_angle, sizeof(double)), luminaire.cast_shadow);
+  luminaires_.emplace_back(std::move(luminaire));
+}
+
+void Scene::add_luminaire(MeshLuminaire luminaire) {
+  check_triangles(luminaire.name, luminaire.positions, luminaire.triangles);
+  if (!is_finite(luminaire.radiance)) refuse(luminaire.name, "the radiance is not finite");
+  hash_ = hash_array(hash_array(hash_, luminaire.positions), luminaire.triangles);
+  hash_ = hash_of(hash_bytes(hash_, &luminaire.radiance, sizeof(Vec3d)), luminaire.cast_shadow);
   luminaires_.emplace_back(std::move(luminaire));
 }
 

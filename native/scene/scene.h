@@ -70,6 +70,7 @@ class Scene {
   void add_luminaire(AreaLuminaire luminaire);
   void add_luminaire(PointLuminaire luminaire);
   void add_luminaire(SunLuminaire luminaire);
+  void add_luminaire(MeshLuminaire luminaire);
   void set_camera(const Camera& camera);
   void set_background(const Background& background);
 

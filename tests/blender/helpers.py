@@ -172,6 +172,19 @@ def diffuse_material(name: str, color=(0.8, 0.8, 0.8)):
     return material
 
 
+def emissive_material(name: str, color=(1.0, 1.0, 1.0), strength=1.0):
+    """A material of one Emission node."""
+    material = bpy.data.materials.new(name)
+    material.use_nodes = True
+    nodes, links = material.node_tree.nodes, material.node_tree.links
+    nodes.clear()
+    output, emission = nodes.new("ShaderNodeOutputMaterial"), nodes.new("ShaderNodeEmission")
+    emission.inputs["Color"].default_value = (*color, 1.0)
+    emission.inputs["Strength"].default_value = strength
+    links.new(emission.outputs[0], output.inputs["Surface"])
+    return material
+
+
 def run_blender(*arguments, cwd=None, timeout=120, environment=None) -> subprocess.CompletedProcess:
     """Another `blender -b --factory-startup ARGUMENTS` with empty user folders; stdout and stderr as text.
 

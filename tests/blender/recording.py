@@ -62,6 +62,13 @@ class Recording:
                 )  # fmt: skip
                 return super().add_sun(name, to_sun, angle, irradiance, cast_shadow)
 
+            def add_mesh_light(self, name, positions, triangles, matrix, radiance):
+                recording.lights.append(
+                    SimpleNamespace(name=name, positions=positions, triangles=triangles, matrix=matrix,
+                                    radiance=radiance)
+                )  # fmt: skip
+                return super().add_mesh_light(name, positions, triangles, matrix, radiance)
+
             def set_camera(self, kind, matrix, window, clip):
                 recording.camera = SimpleNamespace(kind=kind, matrix=matrix, window=window, clip=clip)
                 return super().set_camera(kind, matrix, window, clip)

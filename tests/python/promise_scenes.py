@@ -34,6 +34,12 @@ class Stage:
         intensity = (white / ALBEDO * np.pi * z * z,) * 3
         self.scene.add_point_light("bulb", translation(x, y, z), radius, intensity, self.shadows, **more)
 
+    def glow(self, shape, matrix, radiance):
+        """A mesh that is a luminaire and an occluder."""
+        self.add(shape, matrix)
+        if self.shadows:
+            self.scene.add_mesh_light("glow", *shape, matrix, (radiance,) * 3)
+
 
 def leaves(count, size, seed, half=2.5, height=1.5):
     """Rhombi of random place and direction in a box over the floor."""
@@ -142,8 +148,25 @@ def garden(stage):
     stage.scene.set_background((0.8,) * 3, lights=stage.shadows, image=sky, local_from_world=rotation([0, 0, 1], 50))
 
 
+def glowing_ball(stage):
+    solid_shapes(stage)
+    stage.glow(sphere([0, 0, 0], 0.5, 24), translation(2.0, -2.0, 3.0), 9.0)
+
+
+def glowing_ribbon(stage):
+    """A wavy strip, which shines to both sides and hides parts of itself, and a box."""
+    solid_shapes(stage)
+    x = np.linspace(-1.5, 1.5, 41)
+    rail = np.stack([x, 0.5 * np.sin(4 * x), np.zeros(41)], axis=1)
+    positions = np.concatenate([rail, rail + [0, 0, 0.4]])
+    i = np.arange(40)
+    triangles = np.concatenate([np.stack([i, i + 1, i + 42], 1), np.stack([i, i + 42, i + 41], 1)]).astype(np.int32)
+    stage.glow((positions, triangles), translation(0.0, -1.0, 2.5), 3.0)
+    stage.glow(box([-0.2, -0.2, -0.2], [0.2, 0.2, 0.2]), translation(-3.0, -1.5, 2.0) @ rotation([1, 2, 3], 40), 6.0)
+
+
 SCENES = (open_floor, solid_objects, slanted_fence, wires, blinds, foliage, ellipse_and_square, many_luminaires,
-          ball, spots, sunny, overcast, garden)  # fmt: skip
+          ball, spots, sunny, overcast, garden, glowing_ball, glowing_ribbon)  # fmt: skip
 
 
 def make(function, shadows=True):

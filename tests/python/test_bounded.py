@@ -15,6 +15,7 @@ from promise_scenes import (
     ball,
     foliage,
     garden,
+    glowing_ball,
     make,
     many_luminaires,
     open_floor,
@@ -73,7 +74,9 @@ def test_coverage_at_a_thousandth(scene):
     assert missed.sum() <= most_misses(missed.size), f"{100 * missed.mean():.2f} % of the pixels"
 
 
-@pytest.mark.parametrize("scene", [solid_objects, slanted_fence, wires, foliage, ball, spots, sunny, overcast, garden])
+@pytest.mark.parametrize(
+    "scene", [solid_objects, slanted_fence, wires, foliage, ball, spots, sunny, overcast, garden, glowing_ball]
+)
 def test_papers_rule_fails_the_same_test(scene):
     missed = misses(scene, "PAPER", 0.004)
     assert missed.sum() > most_misses(missed.size)

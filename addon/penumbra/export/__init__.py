@@ -8,6 +8,7 @@ from . import camera, world
 from .errors import ExportCancelled, ExportError
 from .luminaires import Luminaires
 from .materials import Materials
+from .mesh_lights import MeshLights
 from .meshes import Meshes
 
 __all__ = ["ExportCancelled", "ExportError", "export_scene"]
@@ -33,6 +34,7 @@ def export_scene(pn, depsgraph, camera_object, notes: Notes, is_cancelled: Calla
     materials = Materials(scene, notes, depsgraph.view_layer_eval.material_override)
     meshes = Meshes(scene, materials, notes)
     luminaires = Luminaires(scene, notes)
+    mesh_lights = MeshLights(scene, notes, depsgraph.view_layer_eval.material_override)
 
     camera.export(scene, depsgraph, camera_object, notes)
     world.export(scene, depsgraph.scene_eval, notes)
@@ -44,6 +46,7 @@ def export_scene(pn, depsgraph, camera_object, notes: Notes, is_cancelled: Calla
         kind = instance.object.type
         if kind == "MESH":  # curves, text, surfaces and metaballs come as instances of a mesh, too
             meshes.add(instance)
+            mesh_lights.add(instance)
         elif kind == "LIGHT":
             luminaires.add(instance)
         elif kind in LEFT_OUT:
