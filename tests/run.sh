@@ -2,8 +2,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # All tests, from a fresh Debian 12 machine: installs what is missing, builds, then tests the core (GoogleTest), the
 # module (pytest with NumPy scenes) and the add-on (pytest inside Blender). Works from any folder and asks no question.
+#   bash tests/run.sh [--quick]      --quick: without the long statistics (the tests marked slow)
 set -euo pipefail
 
+tests="not slow"
+case "$*" in
+  "") tests="slow or not slow" ;;
+  --quick) ;;
+  *)
+    echo "run.sh: unknown argument '$*' (there is --quick)" >&2
+    exit 2
+    ;;
+esac
 repository=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 cd "$repository"
 export PATH=/usr/bin:$PATH  # Debian's Blender takes the standard library of the first python3 on the PATH
@@ -19,9 +29,9 @@ echo "== the core"
 ctest --preset test
 
 echo "== the module"
-/usr/bin/python3 -m pytest -q -p no:cacheprovider tests/python tests/hard_cases tests/fuzz
+/usr/bin/python3 -m pytest -q -p no:cacheprovider -m "$tests" tests/python tests/hard_cases tests/fuzz
 
 echo "== the add-on, inside Blender"
-blender -b --factory-startup --python-exit-code 1 -P tests/blender/run_in_blender.py -- -q
+blender -b --factory-startup --python-exit-code 1 -P tests/blender/run_in_blender.py -- -q -m "$tests"
 
 echo "All tests passed."

@@ -81,7 +81,7 @@ TEST(Luminaire, MeanFormFactorIsLambertsForRandomRectangles) {
   // ones.
   Trials trials(1);
   int lit = 0, cut = 0;
-  for (int trial = 0; trial < 200; ++trial) {
+  for (int trial = 0; trial < 400; ++trial) {
     const AreaLuminaire l = light(LuminaireShape::kRectangle, trials.transform(0.5), trials.uniform(0.2, 1),
                                   trials.uniform(0.2, 1));
     const Vec3d point = l.world_from_light.origin + trials.direction() * trials.uniform(2, 6),

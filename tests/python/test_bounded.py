@@ -60,6 +60,7 @@ def most_misses(pixels, share=0.01):
     return share * pixels + 2.33 * np.sqrt(share * (1 - share) * pixels)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("tolerance", [0.02, 0.004])
 @pytest.mark.parametrize("scene", SCENES, ids=ids)
 def test_coverage(scene, tolerance):
@@ -67,6 +68,7 @@ def test_coverage(scene, tolerance):
     assert missed.sum() <= most_misses(missed.size), f"{100 * missed.mean():.2f} % of the pixels"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scene", [solid_objects, slanted_fence, foliage, many_luminaires])
 def test_coverage_at_a_thousandth(scene):
     parts = [misses(scene, "BOUNDED", 0.001, 65536, part, max_light_samples=65536) for part in PARTS]

@@ -44,6 +44,7 @@ def filtered(scene, **settings):
     return in_parts(scene, **{"stop_rule": "BOUNDED", "pixel_samples": 2, **settings})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("tolerance", [0.02, 0.004])
 @pytest.mark.parametrize(
     "scene", [open_floor, solid_objects, slanted_fence, wires, blinds, ellipse_and_square, ball, sunny]

@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Debian releases in folders (debootstrap + chroot), kept in a cache outside the repository. To be sourced by bash.
+#
+# Needs root, debootstrap and a Debian mirror: that of this machine's own apt. Mounts live in a mount namespace of each
+# command, so that nothing stays mounted, whatever ends it.
+
+cache=${PENUMBRA_CACHE:-${XDG_CACHE_HOME:-$HOME/.cache}/penumbra}
+days_until_stale=14  # sid moves on: what is older is made anew
+
+# The sentence why no chroot can be made here, or nothing.
+why_no_chroot() {
+  if [[ $EUID -ne 0 ]]; then
+    echo "only root can make a chroot"
+  elif ! command -v debootstrap >/dev/null; then
+    echo "debootstrap is not installed"
+  elif ! unshare --mount --pid --fork true 2>/dev/null; then
+    echo "this machine allows no mount namespaces"
+  fi
+}
+
+# The mirror that this machine's apt uses for Debian itself; nothing if that is unknown (then debootstrap's own choice).
+debian_mirror() {
+  apt-get indextargets --format '$(REPO_URI)' 'Created-By: Packages' 'Label: Debian' 2>/dev/null | head -n 1
+}
+
+# enter ROOT COMMAND...: runs a command inside; of the environment only CI, proxies, pip's and ccache's settings go along.
+enter() {
+  local root=$1
+  shift
+  cp /etc/resolv.conf /etc/hosts "$root/etc/"
+  if [[ -e /etc/ssl/certs/ca-certificates.crt ]]; then  # this machine's, which may know a proxy's certificate
+    mkdir -p "$root/etc/ssl/certs"
+    cp /etc/ssl/certs/ca-certificates.crt "$root/etc/ssl/certs/"
+  fi
+  local variables
+  mapfile -t variables < <(env | grep -E '^(CI|PIP_[A-Z_]+|[a-z]+_proxy|[A-Z]+_PROXY|PENUMBRA_[A-Z_]+)=' || true)
+  unshare --mount --pid --fork --kill-child bash -c '
+    mount -t proc proc "$0/proc" && mount --rbind /dev "$0/dev" && exec chroot "$0" "$@"' \
+    "$root" /usr/bin/env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LANG=C.UTF-8 DEBIAN_FRONTEND=noninteractive \
+    "${variables[@]}" "$@" </dev/null
+}
+
+# make_chroot SUITE ROOT PACKAGE...: a new one, whole or not at all.
+make_chroot() {
+  local suite=$1 root=$2 new=$2.new
+  shift 2
+  rm -rf "$new" "$root"
+  mkdir -p "$(dirname "$root")"
+  debootstrap --variant=minbase "$suite" "$new" $(debian_mirror) >"$new.log" 2>&1 || {
+    tail -n 5 "$new.log"
+    return 1
+  }
+  printf '#!/bin/sh\nexit 101\n' >"$new/usr/sbin/policy-rc.d"  # no service is started
+  chmod +x "$new/usr/sbin/policy-rc.d"
+  echo force-unsafe-io >"$new/etc/dpkg/dpkg.cfg.d/fast"  # what a crash leaves is made anew
+  apt-config dump | grep -E '^Acquire::(https?|Check|Retries)' >"$new/etc/apt/apt.conf.d/01host" || true
+  enter "$new" apt-get install --yes -qq --no-install-recommends "$@" >>"$new.log" 2>&1 || {
+    tail -n 5 "$new.log"
+    return 1
+  }
+  rm "$new.log"
+  mv "$new" "$root"
+}
+
+# ensure_chroot NAME SUITE PACKAGE...: a whole and recent one at $cache/NAME, made of these packages by this recipe.
+ensure_chroot() {
+  local name=$1 root=$cache/$1 recipe
+  shift
+  recipe=$(cat "${BASH_SOURCE[0]}" - <<<"$*" | sha256sum)
+  if [[ "$(cat "$root/.penumbra" 2>/dev/null)" == "$recipe" && -z $(find "$root/.penumbra" -mtime +$days_until_stale) ]] &&
+    enter "$root" dpkg --audit >/dev/null 2>&1; then
+    return
+  fi
+  echo "== $name: making the environment in $root"
+  make_chroot "$1" "$root" "${@:2}" && echo "$recipe" >"$root/.penumbra"
+}
+
+# copy_sources REPOSITORY FOLDER: what git would commit, and nothing else.
+copy_sources() {
+  rm -rf "$2"
+  mkdir -p "$2"
+  (cd "$1" && git ls-files -z --cached --others --exclude-standard --deduplicate | xargs -0 ls -d 2>/dev/null |
+    tar --create --files-from=-) | tar --extract --directory="$2"
+}
