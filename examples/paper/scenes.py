@@ -99,7 +99,7 @@ def shadows(scene, on: bool) -> None:
     """Lets the luminaires cast shadows or not."""
     for light in bpy.data.lights:
         light.use_shadow = on
-        if hasattr(light, "cycles"):
+        if hasattr(getattr(light, "cycles", None), "cast_shadow"):  # a second switch in older Blenders
             light.cycles.cast_shadow = on
     bpy.context.view_layer.update()
 

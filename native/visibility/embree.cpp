@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "visibility/embree.h"
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 #include <new>
 #include <stdexcept>
@@ -48,7 +50,8 @@ bool ray_finds_triangle(RTCDevice device) {
   ray.ray.mask = ~0u;
   ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   intersect1(scene.get(), ray);
-  return ray.hit.geomID != RTC_INVALID_GEOMETRY_ID && ray.ray.tfar == 1.0f;
+  // Blender's own build of Embree 4.4.1 is an ulp off: 0.99999994.
+  return ray.hit.geomID != RTC_INVALID_GEOMETRY_ID && std::abs(ray.ray.tfar - 1.0f) < 1e-5f;
 }
 
 }  // namespace

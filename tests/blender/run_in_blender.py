@@ -2,6 +2,7 @@
 """Runs pytest inside a real Blender; Blender's exit code is pytest's.
 
     blender -b --factory-startup --python-exit-code 1 -P tests/blender/run_in_blender.py -- [pytest arguments]
+    python tests/blender/run_in_blender.py -- [pytest arguments]      with Blender as the module bpy
 
 Without arguments the whole folder is run.
 """
@@ -15,7 +16,17 @@ sys.dont_write_bytecode = True
 sys.path.insert(0, str(FOLDER.parents[1] / "addon"))
 
 
+def add_packages_of_bpy() -> None:
+    """Lets Python find what the module bpy brings for itself, such as OpenImageIO. Inside a Blender that is done."""
+    import bpy
+
+    if bpy.app.module:
+        for folder in Path(bpy.__file__).parent.glob("*/python/lib/python*/site-packages"):
+            sys.path.append(str(folder))
+
+
 def main() -> int:
+    add_packages_of_bpy()
     try:
         import pytest
     except ImportError:

@@ -9,7 +9,14 @@ import math
 import bpy
 import numpy as np
 import pytest
-from cycles_reference import away_from_edges, colour, converge_cycles, relative_rmse, render_with_penumbra
+from cycles_reference import (
+    NORMAL_TOLERANCE,
+    away_from_edges,
+    colour,
+    converge_cycles,
+    relative_rmse,
+    render_with_penumbra,
+)
 from helpers import add_area_light, add_camera, add_plane, diffuse_material, link
 
 COLOURS = [(0.8, 0.8, 0.8), (1.0, 1.0, 1.0), (0.9, 0.05, 0.02), (0.1, 0.7, 0.3), (0.01, 0.02, 0.5), (0.0, 0.0, 0.0)]
@@ -56,7 +63,7 @@ def test_both_sides_of_a_face_are_lit(scene, from_above, upside_down, smooth):
     else:
         ours, (cycles, _) = render_with_penumbra(scene), converge_cycles(scene, samples=4)
         assert not colour(ours).any() and not colour(cycles).any()
-    np.testing.assert_allclose(ours["Normal"], cycles["Normal"], atol=1e-6)
+    np.testing.assert_allclose(ours["Normal"], cycles["Normal"], atol=NORMAL_TOLERANCE)
 
 
 def add_shape(scene, shape: str, smooth: bool, **transform):
@@ -140,5 +147,5 @@ def test_custom_normals(scene, tilt):
     light_and_look(scene)
     ours, cycles = assert_pictures_equal(scene, samples=256, tolerance=1e-3)
     inside = away_from_edges(cycles)
-    np.testing.assert_allclose(ours["Normal"][inside], cycles["Normal"][inside], atol=1e-5)
+    np.testing.assert_allclose(ours["Normal"][inside], cycles["Normal"][inside], atol=NORMAL_TOLERANCE)
     np.testing.assert_allclose(ours["Normal"][inside][:, 0], math.sin(tilt), atol=1e-4)

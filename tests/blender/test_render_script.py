@@ -15,6 +15,7 @@ from helpers import (
     add_camera,
     add_plane,
     animate,
+    blender_program,
     last_line,
     link,
     read_exr,
@@ -149,7 +150,7 @@ def test_interrupting_leaves_nothing_behind(blend_file, tmp_path):
     )
     arguments = ["--output", "out.exr", "--set", "stop_rule=FIXED", "light_samples=400000"]
     process = subprocess.Popen(
-        [bpy.app.binary_path, "-b", "--factory-startup", blend_file, "--python-expr", handler, "-P", SCRIPT, "--"]
+        [blender_program(), "-b", "--factory-startup", blend_file, "--python-expr", handler, "-P", SCRIPT, "--"]
         + arguments,
         cwd=blend_file.parent, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
     )  # fmt: skip

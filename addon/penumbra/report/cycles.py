@@ -49,7 +49,7 @@ def set_up(scene, changes: Changes, own: dict, has_mirrors: bool) -> None:
     changes.set(scene.camera.data.dof, "use_dof", False)
     for scene_object in bpy.data.objects:
         for owner in (scene_object, getattr(scene_object, "cycles", None)):
-            for name in ("offset", "normal_offset", "geometry_offset"):
+            for name in ("offset", "normal_offset", "shading_offset", "geometry_offset"):
                 changes.set(owner, f"shadow_terminator_{name}", 0.0)
 
 
