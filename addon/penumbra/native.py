@@ -5,6 +5,7 @@
 always be enabled; rendering then reports the sentence.
 """
 
+import re
 import sys
 from pathlib import Path
 from types import ModuleType
@@ -21,6 +22,8 @@ def _why_not(error: Exception) -> str:
         return f"The native module {NAME} is missing from {folder}: build it with `cmake --build --preset release`."
     if "cannot import name" in str(error):
         return f"The native module {', '.join(files)} was built for another Python; this Blender runs Python {python}."
+    if library := re.search(r"(\S+): cannot open shared object file", str(error)):
+        return f"The native module {files[0]} needs {library[1]}, which neither this Blender nor the system has."
     return f"The native module {files[0]} cannot be loaded: {' '.join(str(error).split())}"
 
 

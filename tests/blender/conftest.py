@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Fixtures for the tests inside Blender. The functions behind them are in helpers.py (`from helpers import ...`)."""
 
+import shutil
 import sys
 from pathlib import Path
 
@@ -10,7 +11,7 @@ import pytest
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "addon"))
 
 import penumbra  # noqa: E402  (found through the line above)
-from helpers import add_area_light, add_camera  # noqa: E402
+from helpers import add_area_light, add_camera, add_plane  # noqa: E402
 from recording import record  # noqa: E402
 
 
@@ -49,3 +50,27 @@ def lit_scene(scene):
 def recorded(lit_scene, monkeypatch):
     """A function that renders the lit scene and returns a recording of what was exported (see recording.py)."""
     return lambda: record(lit_scene, monkeypatch)
+
+
+@pytest.fixture
+def blend_file(scene, tmp_path):
+    """A saved scene whose engine is Penumbra: 64 x 48 pixels, a lit plane."""
+    add_plane(scene, size=20)
+    add_area_light(scene, location=(0, 0, 3))
+    add_camera(scene)
+    path = tmp_path / "scene.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(path), check_existing=False)
+    return path
+
+
+@pytest.fixture
+def scripts(tmp_path):
+    """A function that copies the add-on into a scripts folder under a name: (the copy, environment for run_blender)."""
+
+    def copy(name="penumbra", with_native=True):
+        target = tmp_path / "scripts" / "addons" / name
+        ignored = shutil.ignore_patterns("__pycache__", *([] if with_native else ["penumbra_native*"]))
+        shutil.copytree(Path(penumbra.__file__).parent, target, ignore=ignored)
+        return target, {"BLENDER_USER_SCRIPTS": str(tmp_path / "scripts")}
+
+    return copy

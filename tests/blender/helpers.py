@@ -189,7 +189,7 @@ def emissive_material(name: str, color=(1.0, 1.0, 1.0), strength=1.0):
 
 def blender_program() -> str:
     """The program of the running Blender. The test is skipped where that is the module bpy, which has none."""
-    if bpy.app.module:
+    if not bpy.app.binary_path:
         pytest.skip("the module bpy has no command line")
     return bpy.app.binary_path
 
@@ -206,6 +206,12 @@ def run_blender(*arguments, cwd=None, timeout=120, environment=None) -> subproce
             cwd=cwd, timeout=timeout, env={**os.environ, **variables, **(environment or {})},
             capture_output=True, text=True, errors="replace", check=False,
         )  # fmt: skip
+
+
+def command_line(addon: str, blend_file) -> list:
+    """Arguments for Blender: enables the add-on and renders frame 1 with Penumbra into out_0001.exr beside the file."""
+    output = blend_file.parent / "out_"
+    return ["--addons", addon, blend_file, "-E", "PENUMBRA", "-o", output, "-F", "OPEN_EXR", "-f", "1"]
 
 
 def last_line(process: subprocess.CompletedProcess) -> str:

@@ -20,7 +20,7 @@ def add_packages_of_bpy() -> None:
     """Lets Python find what the module bpy brings for itself, such as OpenImageIO. Inside a Blender that is done."""
     import bpy
 
-    if bpy.app.module:
+    if not bpy.app.binary_path:
         for folder in Path(bpy.__file__).parent.glob("*/python/lib/python*/site-packages"):
             sys.path.append(str(folder))
 

@@ -54,6 +54,8 @@ make_chroot() {
   chmod +x "$new/usr/sbin/policy-rc.d"
   echo force-unsafe-io >"$new/etc/dpkg/dpkg.cfg.d/fast"  # what a crash leaves is made anew
   apt-config dump | grep -E '^Acquire::(https?|Check|Retries)' >"$new/etc/apt/apt.conf.d/01host" || true
+  [[ "$*" != *:arm64* ]] || enter "$new" dpkg --add-architecture arm64
+  enter "$new" apt-get update -qq >>"$new.log" 2>&1 || true  # what is missing is said below
   enter "$new" apt-get install --yes -qq --no-install-recommends "$@" >>"$new.log" 2>&1 || {
     tail -n 5 "$new.log"
     return 1
@@ -68,7 +70,7 @@ ensure_chroot() {
   shift
   recipe=$(cat "${BASH_SOURCE[0]}" - <<<"$*" | sha256sum)
   if [[ "$(cat "$root/.penumbra" 2>/dev/null)" == "$recipe" && -z $(find "$root/.penumbra" -mtime +$days_until_stale) ]] &&
-    enter "$root" dpkg --audit >/dev/null 2>&1; then
+    [[ -z $(enter "$root" dpkg --audit 2>&1) ]]; then
     return
   fi
   echo "== $name: making the environment in $root"
@@ -79,6 +81,6 @@ ensure_chroot() {
 copy_sources() {
   rm -rf "$2"
   mkdir -p "$2"
-  (cd "$1" && git ls-files -z --cached --others --exclude-standard --deduplicate | xargs -0 ls -d 2>/dev/null |
-    tar --create --files-from=-) | tar --extract --directory="$2"
+  git -C "$1" ls-files -z --cached --others --exclude-standard --deduplicate |
+    tar --create --directory="$1" --null --files-from=- | tar --extract --directory="$2"
 }

@@ -1,0 +1,37 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# The native module penumbra_native, for the Python that the target Blender has; the add-on's zips; the wheel's files.
+
+set(PENUMBRA_PYTHON "/usr/bin/python3" CACHE FILEPATH "The Python that the target Blender runs on")
+set(PENUMBRA_MODULE_FOLDER ${CMAKE_SOURCE_DIR}/addon/penumbra CACHE PATH
+  "Where the native module goes: into the add-on, so that it works from the source tree")
+
+# Of the interpreter that Blender has, which need not be the first one on the PATH.
+if(NOT Python_EXECUTABLE AND EXISTS ${PENUMBRA_PYTHON})
+  set(Python_EXECUTABLE ${PENUMBRA_PYTHON})
+endif()
+find_package(Python 3.10 REQUIRED COMPONENTS Interpreter Development.Module)
+find_package(pybind11 2.9 REQUIRED CONFIG)
+
+# NO_EXTRAS: no link-time optimisation, which the hot loops in the core do not need.
+file(GLOB PENUMBRA_BINDINGS CONFIGURE_DEPENDS native/python/*.cpp)
+pybind11_add_module(penumbra_native MODULE NO_EXTRAS ${PENUMBRA_BINDINGS})
+target_link_libraries(penumbra_native PRIVATE penumbra_core)
+if(CMAKE_SYSTEM_NAME STREQUAL "Linux")
+  target_link_options(penumbra_native PRIVATE -Wl,--exclude-libs,ALL)
+endif()
+target_compile_definitions(penumbra_native PRIVATE
+  PENUMBRA_VERSION="${PROJECT_VERSION}"
+  PENUMBRA_BUILD="${CMAKE_CXX_COMPILER_ID} ${CMAKE_CXX_COMPILER_VERSION}, Embree ${embree_VERSION}, ${CMAKE_BUILD_TYPE}")
+set_target_properties(penumbra_native PROPERTIES LIBRARY_OUTPUT_DIRECTORY ${PENUMBRA_MODULE_FOLDER})
+
+# For Blender up to 4.1 and since: cmake --build --preset release --target zip
+add_custom_target(zip
+  COMMAND ${Python_EXECUTABLE} ${CMAKE_SOURCE_DIR}/addon/make_zip.py ${CMAKE_BINARY_DIR}
+  DEPENDS penumbra_native
+  COMMENT "The add-on as a legacy zip and as an extension"
+  VERBATIM)
+
+# What the wheel holds (pyproject.toml). Blender's own libraries are found where they were when it was built.
+install(TARGETS penumbra_native DESTINATION .)
+install(FILES native/python/penumbra_native.pyi DESTINATION .)
+set_target_properties(penumbra_native PROPERTIES INSTALL_RPATH "${PENUMBRA_BLENDER_LIBRARIES}")
