@@ -4,7 +4,9 @@
 // bit for bit in each.
 #pragma once
 
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(PENUMBRA_NO_CLONES)
+// Clang has no clones of function templates, and other compilers none at all: there it is the baseline alone.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(PENUMBRA_NO_CLONES)
+#define PENUMBRA_CLONES
 #define PENUMBRA_VECTORIZED __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
 #else
 #define PENUMBRA_VECTORIZED
@@ -25,7 +27,7 @@ inline void flush_denormals() {
 
 /// The instruction set that vectorised loops use on this CPU.
 inline const char* vector_isa() {
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(PENUMBRA_NO_CLONES)
+#if defined(PENUMBRA_CLONES)
   if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl")) return "avx512";
   if (__builtin_cpu_supports("avx2")) return "avx2";
 #endif

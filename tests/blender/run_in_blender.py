@@ -21,7 +21,7 @@ def add_packages_of_bpy() -> None:
     import bpy
 
     if not bpy.app.binary_path:
-        for folder in Path(bpy.__file__).parent.glob("*/python/lib/python*/site-packages"):
+        for folder in Path(bpy.utils.resource_path("LOCAL")).glob("python/lib/python*/site-packages"):
             sys.path.append(str(folder))
 
 

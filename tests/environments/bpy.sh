@@ -17,7 +17,7 @@ if ! "$python" -c "import bpy, matplotlib, markdown, pybind11, pytest" 2>/dev/nu
   python3 -m venv "$environment"
   "$python" -m pip install --quiet "bpy==$version" pybind11 pytest matplotlib markdown
 fi
-libraries=$("$python" -c "import bpy; from pathlib import Path; print(Path(bpy.__file__).parent / 'lib')" | tail -n 1)
+libraries=$("$python" -c "import bpy, os; print(os.path.dirname(bpy.utils.resource_path('LOCAL')) + '/lib')" | tail -n 1)
 
 echo "== build"
 cmake --preset test ${2:+-DCMAKE_INCLUDE_PATH="$2"} -DPENUMBRA_BLENDER_LIBRARIES="$libraries" \
