@@ -17,7 +17,15 @@ file(GLOB PENUMBRA_BINDINGS CONFIGURE_DEPENDS native/python/*.cpp)
 pybind11_add_module(penumbra_native MODULE NO_EXTRAS ${PENUMBRA_BINDINGS})
 target_link_libraries(penumbra_native PRIVATE penumbra_core)
 if(CMAKE_SYSTEM_NAME STREQUAL "Linux")
-  target_link_options(penumbra_native PRIVATE -Wl,--exclude-libs,ALL)
+  # Nothing to be seen but the init function: Blender has libraries of its own in the same process.
+  file(WRITE ${CMAKE_BINARY_DIR}/exports.map "{ global: PyInit_penumbra_native; local: *; };\n")
+  target_link_options(penumbra_native PRIVATE -Wl,--exclude-libs,ALL -Wl,--version-script,${CMAKE_BINARY_DIR}/exports.map)
+  # An older CPU gets an error from the loader instead of dying of an illegal instruction.
+  include(CheckLinkerFlag)
+  check_linker_flag(CXX -Wl,-z,x86-64-v2 PENUMBRA_LINKER_MARKS_CPU)
+  if(PENUMBRA_LINKER_MARKS_CPU AND CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+    target_link_options(penumbra_native PRIVATE -Wl,-z,x86-64-v2)
+  endif()
 endif()
 target_compile_definitions(penumbra_native PRIVATE
   PENUMBRA_VERSION="${PROJECT_VERSION}"

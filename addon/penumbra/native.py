@@ -24,6 +24,8 @@ def _why_not(error: Exception) -> str:
         return f"The native module {', '.join(files)} was built for another Python; this Blender runs Python {python}."
     if library := re.search(r"(\S+): cannot open shared object file", str(error)):
         return f"The native module {files[0]} needs {library[1]}, which neither this Blender nor the system has."
+    if "CPU ISA level" in str(error):
+        return f"The native module {files[0]} needs a CPU with SSE 4.2 (x86-64-v2), which this one is not."
     return f"The native module {files[0]} cannot be loaded: {' '.join(str(error).split())}"
 
 

@@ -15,8 +15,8 @@ declare -A packages=(  # beyond what examples/install.sh installs
   [bookworm]="ca-certificates ccache"
   # The rest is for bpy: what it is linked to and does not bring.
   [trixie]="ca-certificates ccache python3-venv libsm6 libxi6 libxkbcommon0 libxxf86vm1 libxfixes3 libxrender1 libgl1"
-  # Blender 5's extension system wants the last three, and Debian's package does not say so.
-  [sid]="ca-certificates ccache python3-cattr python3-requests python3-zstandard"
+  # Blender 5's extension system wants the last three, and Debian's package does not say so; the headers are for bpy.
+  [sid]="ca-certificates ccache libembree-dev libopenimageio-dev python3-cattr python3-requests python3-zstandard"
   [arm64]="ca-certificates ccache cmake ninja-build g++-aarch64-linux-gnu qemu-user libembree-dev:arm64 libgtest-dev:arm64"
 )
 declare -A command=(
