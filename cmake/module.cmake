@@ -2,8 +2,11 @@
 # The native module penumbra_native, for the Python that the target Blender has; the add-on's zips; the wheel's files.
 
 set(PENUMBRA_PYTHON "/usr/bin/python3" CACHE FILEPATH "The Python that the target Blender runs on")
-set(PENUMBRA_MODULE_FOLDER ${CMAKE_SOURCE_DIR}/addon/penumbra CACHE PATH
-  "Where the native module goes: into the add-on, so that it works from the source tree")
+set(folder ${CMAKE_SOURCE_DIR}/addon/penumbra)  # so that the add-on works from the source tree
+if(SKBUILD)
+  set(folder ${CMAKE_BINARY_DIR}/wheel)
+endif()
+set(PENUMBRA_MODULE_FOLDER ${folder} CACHE PATH "Where the native module goes")
 
 # Of the interpreter that Blender has, which need not be the first one on the PATH.
 if(NOT Python_EXECUTABLE AND EXISTS ${PENUMBRA_PYTHON})
@@ -39,7 +42,14 @@ add_custom_target(zip
   COMMENT "The add-on as a legacy zip and as an extension"
   VERBATIM)
 
-# What the wheel holds (pyproject.toml). Blender's own libraries are found where they were when it was built.
-install(TARGETS penumbra_native DESTINATION .)
-install(FILES native/python/penumbra_native.pyi DESTINATION .)
-set_target_properties(penumbra_native PROPERTIES INSTALL_RPATH "${PENUMBRA_BLENDER_LIBRARIES}")
+# The wheel (pyproject.toml), with type stubs made from the module's own signatures and documentation. Blender's
+# libraries, if it was built for them, are found where they were.
+if(SKBUILD)
+  add_custom_command(TARGET penumbra_native POST_BUILD
+    COMMAND ${CMAKE_COMMAND} -E env "PYTHONPATH=${PENUMBRA_MODULE_FOLDER}:$ENV{PYTHONPATH}"
+      ${Python_EXECUTABLE} -m pybind11_stubgen penumbra_native --exit-code --output-dir ${PENUMBRA_MODULE_FOLDER}
+    VERBATIM)
+  set_target_properties(penumbra_native PROPERTIES INSTALL_RPATH "${PENUMBRA_BLENDER_LIBRARIES}")
+  install(TARGETS penumbra_native DESTINATION .)
+  install(FILES ${PENUMBRA_MODULE_FOLDER}/penumbra_native.pyi DESTINATION .)
+endif()

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Installs the Debian packages that Penumbra needs and that are missing; asks no question, does nothing if all are there.
-#   bash examples/install.sh [--tests] [--paper]      --tests, --paper: those of the tests, of examples/paper, too
+#   bash examples/install.sh [--tests] [--checks] [--environments] [--paper]      those of the tests and so on, too
 set -euo pipefail
 
 packages=(
@@ -12,10 +12,13 @@ packages=(
 )
 for argument in "$@"; do
   case "$argument" in
-    --tests) packages+=(libgtest-dev python3-pytest python3-hypothesis python3-openimageio python3-matplotlib) ;;
+    --tests) packages+=(libgtest-dev qemu-user python3-pytest python3-hypothesis python3-openimageio
+                        python3-matplotlib) ;;
+    --checks) packages+=(clang python3-venv) ;;
+    --environments) packages+=(debootstrap) ;;
     --paper) packages+=(python3-matplotlib python3-markdown) ;;
     *)
-      echo "install.sh: unknown argument '$argument' (there are --tests and --paper)" >&2
+      echo "install.sh: unknown argument '$argument' (there are --tests, --checks, --environments and --paper)" >&2
       exit 2
       ;;
   esac

@@ -12,10 +12,11 @@ environment=${XDG_CACHE_HOME:-$HOME/.cache}/penumbra/bpy
 python=$environment/bin/python
 export PYTHONDONTWRITEBYTECODE=1
 
-if ! "$python" -c "import bpy, matplotlib, markdown, pybind11, pytest" 2>/dev/null; then
+bash examples/install.sh --tests
+if ! "$python" -c "import bpy, hypothesis, matplotlib, markdown, pybind11, pytest" 2>/dev/null; then
   rm -rf "$environment"
   python3 -m venv "$environment"
-  "$python" -m pip install --quiet "bpy==$version" pybind11 pytest matplotlib markdown
+  "$python" -m pip install --quiet "bpy==$version" pybind11 pytest hypothesis matplotlib markdown
 fi
 libraries=$("$python" -c "import bpy, os; print(os.path.dirname(bpy.utils.resource_path('LOCAL')) + '/lib')" | tail -n 1)
 
@@ -28,7 +29,7 @@ echo "== the core"
 ctest --preset test
 
 echo "== the module"
-"$python" -m pytest -q -p no:cacheprovider -m "not slow" tests/python tests/hard_cases
+"$python" -m pytest -q -p no:cacheprovider -m "not slow" tests/python tests/hard_cases tests/fuzz
 
 echo "== the add-on, with bpy"
 "$python" tests/blender/run_in_blender.py -- -q -m "not slow"

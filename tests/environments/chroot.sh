@@ -33,7 +33,7 @@ enter() {
     cp /etc/ssl/certs/ca-certificates.crt "$root/etc/ssl/certs/"
   fi
   local variables
-  mapfile -t variables < <(env | grep -E '^(CI|PIP_[A-Z_]+|[a-z]+_proxy|[A-Z]+_PROXY|PENUMBRA_[A-Z_]+)=' || true)
+  mapfile -t variables < <(env | grep -E '^(CI|CXXFLAGS|PIP_(CERT|DEFAULT_TIMEOUT|INDEX_URL)|[a-z]+_proxy|[A-Z]+_PROXY)=')
   unshare --mount --pid --fork --kill-child bash -c '
     mount -t proc proc "$0/proc" && mount --rbind /dev "$0/dev" && exec chroot "$0" "$@"' \
     "$root" /usr/bin/env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LANG=C.UTF-8 DEBIAN_FRONTEND=noninteractive \
