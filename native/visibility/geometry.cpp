@@ -66,8 +66,11 @@ void Geometry::intersect(const Ray* rays, uint32_t active, Hit* hits) const {
     if (bounds_.empty() || !is_finite(ray.origin) || !is_finite(ray.direction) ||
         max_abs(ray.direction) == 0 || !clip_to_box(bounds_, ray))
       continue;
-    const Vec3f origin(ray.origin + ray.direction * ray.t_near), direction(ray.direction);
-    const float length = float(ray.t_far - ray.t_near);
+    // Embree refuses directions beyond 1.8e18: their exponent is taken out.
+    const int exponent = std::ilogb(max_abs(ray.direction));
+    const double shrink = std::scalbn(1.0, -exponent);
+    const Vec3f origin(ray.origin + ray.direction * ray.t_near), direction(ray.direction * shrink);
+    const float length = float((ray.t_far - ray.t_near) / shrink);
     if (!is_finite(origin) || !is_finite(direction) || !std::isfinite(length) || max_abs(direction) == 0)
       continue;
     valid[i] = -1;

@@ -76,6 +76,7 @@ class Geometry {
 
   void clean(std::vector<Mesh>& meshes, const std::vector<Instance>& instances);
   void check_build(const std::string& what) const;
+  RTCGeometry make_instance(PlacedInstance& placed, const PlacedMesh& mesh, const Box& box) const;
   RTCGeometry make_triangles(const PlacedMesh& mesh) const;
 
   Normalization normalization_;

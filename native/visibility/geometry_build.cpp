@@ -38,6 +38,17 @@ std::vector<Vec3f> rounded(const std::vector<Vec3d>& positions, const Affine& tr
   return result;
 }
 
+/// Embree carries rays into the space of a shared mesh, in single precision: where axes are nearly dependent
+/// its inverse is infinite, and it refuses (and aborts at) directions beyond 1.8e18.
+bool has_usable_inverse(const Affine& t) {
+  constexpr double kMost = 1e17, kLeastVolume = 1e-5;
+  if (!(std::abs(t.determinant()) > kLeastVolume * length(t.x_axis) * length(t.y_axis) * length(t.z_axis)))
+    return false;
+  for (const Vec3d& axis : {Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}})
+    if (!(max_abs(t.inverse_vector(axis)) < kMost)) return false;
+  return true;
+}
+
 /// Something left out in several places: how often, and where first.
 struct LeftOut {
   size_t count = 0, places = 0;
@@ -98,6 +109,7 @@ Geometry::Geometry(std::vector<Mesh> meshes, std::vector<Instance> instances, ui
     has_shared_meshes_ = true;
   }
 
+  LeftOut flat;
   for (Instance& instance : instances) {
     PlacedMesh& mesh = meshes_[instance.mesh];
     const Mesh& source = meshes[instance.mesh];
@@ -114,23 +126,12 @@ Geometry::Geometry(std::vector<Mesh> meshes, std::vector<Instance> instances, ui
     const auto id = unsigned(instances_.size());
     RTCGeometry geometry = nullptr;
     if (visible && placed.shared) {
-      const double scale = unit_scale(box);
-      const Vec3d centre = box.centre();
-      placed.render_from_mesh =
-          placed.render_from_object * Affine{{1 / scale, 0, 0}, {0, 1 / scale, 0}, {0, 0, 1 / scale}, centre};
-      const Box placed_box = transformed(box, placed.render_from_object);
-      placed.extent = max_abs(placed_box.extent());
-      geometry = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_INSTANCE);
-      rtcSetGeometryInstancedScene(geometry, mesh.scene.get());
-      const Affine& t = placed.render_from_mesh;
-      const float columns[12] = {float(t.x_axis.x), float(t.x_axis.y), float(t.x_axis.z), float(t.y_axis.x),
-                                 float(t.y_axis.y), float(t.y_axis.z), float(t.z_axis.x), float(t.z_axis.y),
-                                 float(t.z_axis.z), float(t.origin.x), float(t.origin.y), float(t.origin.z)};
-      rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns);
+      geometry = make_instance(placed, mesh, box);
     } else if (visible) {
       mesh.positions = rounded(source.positions, placed.render_from_object);
       geometry = make_triangles(mesh);
     }
+    if (!geometry && !mesh.triangles.empty()) flat.add(1, placed.name);
     if (geometry) {
       rtcCommitGeometry(geometry);
       rtcAttachGeometryByID(scene_.get(), geometry, id);
@@ -141,6 +142,7 @@ Geometry::Geometry(std::vector<Mesh> meshes, std::vector<Instance> instances, ui
     }
     instances_.push_back(std::move(placed));
   }
+  flat.tell("objects whose scale is zero in some direction were", notes_);
   meshes.clear();  // the positions in double are not needed while Embree builds
   meshes.shrink_to_fit();
   rtcCommitScene(scene_.get());
@@ -149,12 +151,9 @@ Geometry::Geometry(std::vector<Mesh> meshes, std::vector<Instance> instances, ui
 
 /// Takes out what no ray needs, and notes it.
 void Geometry::clean(std::vector<Mesh>& meshes, const std::vector<Instance>& instances) {
-  LeftOut without_area, copies, flat;
+  LeftOut without_area, copies;
   std::vector<bool> used(meshes.size(), false);
-  for (const Instance& instance : instances) {
-    used[instance.mesh] = true;
-    flat.add(instance.world_from_object.determinant() == 0, instance.name);
-  }
+  for (const Instance& instance : instances) used[instance.mesh] = true;
   for (size_t i = 0; i < meshes.size(); ++i) {
     if (!used[i]) continue;
     const UselessTriangles found = remove_useless_triangles(meshes[i]);
@@ -163,13 +162,29 @@ void Geometry::clean(std::vector<Mesh>& meshes, const std::vector<Instance>& ins
   }
   without_area.tell("triangles without area were", notes_);
   copies.tell("triangles that are copies of others were", notes_);
-  flat.tell("objects whose scale is zero in some direction were", notes_);
 }
 
 void Geometry::check_build(const std::string& what) const {
   if (memory_.exceeded())
     throw MemoryLimitReached(memory_.limit(), "building the ray tracing structure of " + what);
   embree::check_errors(device_.get(), what);
+}
+
+/// None if the transform has no usable inverse.
+RTCGeometry Geometry::make_instance(PlacedInstance& placed, const PlacedMesh& mesh, const Box& box) const {
+  const double scale = unit_scale(box);
+  placed.render_from_mesh = placed.render_from_object *
+                            Affine{{1 / scale, 0, 0}, {0, 1 / scale, 0}, {0, 0, 1 / scale}, box.centre()};
+  if (!has_usable_inverse(placed.render_from_mesh)) return nullptr;
+  placed.extent = max_abs(transformed(box, placed.render_from_object).extent());
+  RTCGeometry geometry = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_INSTANCE);
+  rtcSetGeometryInstancedScene(geometry, mesh.scene.get());
+  const Affine& t = placed.render_from_mesh;
+  const float columns[12] = {float(t.x_axis.x), float(t.x_axis.y), float(t.x_axis.z), float(t.y_axis.x),
+                             float(t.y_axis.y), float(t.y_axis.z), float(t.z_axis.x), float(t.z_axis.y),
+                             float(t.z_axis.z), float(t.origin.x), float(t.origin.y), float(t.origin.z)};
+  rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns);
+  return geometry;
 }
 
 RTCGeometry Geometry::make_triangles(const PlacedMesh& mesh) const {

@@ -10,6 +10,9 @@ namespace {
 /// glass, a ceiling it is let into) is on neither side of a rounding error.
 constexpr float kReach = 1.0f - 0x1p-18f;
 
+/// Embree refuses directions beyond 1.8e18: those beyond kFar are shrunk, and reach as much further.
+constexpr float kFar = 1e18f, kShrink = 0x1p-40f;
+
 PENUMBRA_VECTORIZED
 uint32_t fill(const ShadowOrigin& origin, const float* x, const float* y, const float* z,
               const float* contribution, RTCRay16& packet, int* valid) {
@@ -24,8 +27,11 @@ uint32_t fill(const ShadowOrigin& origin, const float* x, const float* y, const 
     packet.dir_x[i] = x[i] + (front ? o.front.to_surface_point.x : o.back.to_surface_point.x);
     packet.dir_y[i] = y[i] + (front ? o.front.to_surface_point.y : o.back.to_surface_point.y);
     packet.dir_z[i] = z[i] + (front ? o.front.to_surface_point.z : o.back.to_surface_point.z);
+    const float size = std::max(std::abs(x[i]), std::max(std::abs(y[i]), std::abs(z[i])));
+    const float shrink = size > kFar ? kShrink : 1.0f;
+    packet.dir_x[i] *= shrink, packet.dir_y[i] *= shrink, packet.dir_z[i] *= shrink;
     packet.tnear[i] = 0.0f;
-    packet.tfar[i] = kReach;
+    packet.tfar[i] = kReach / shrink;
     packet.time[i] = 0.0f;
     packet.mask[i] = ~0u;
     valid[i] = contribution[i] > 0 ? -1 : 0;
@@ -66,12 +72,13 @@ void ShadowQueue::add(const SurfacePoint& surface, const Vec3f& to_light, uint8_
   visible = 0;
   const bool front = dot(Vec3f(surface.geometric_normal), to_light) >= 0;
   const ShadowSide start = side(surface, front ? 1 : -1);
-  const Vec3f direction = to_light + start.to_surface_point;
+  const float shrink = max_abs(to_light) > kFar ? kShrink : 1.0f;
+  const Vec3f direction = (to_light + start.to_surface_point) * shrink;
   if (!is_finite(start.origin) || !is_finite(direction) || max_abs(direction) == 0) return;
   const uint32_t i = count_++;
   packet_.org_x[i] = start.origin.x, packet_.org_y[i] = start.origin.y, packet_.org_z[i] = start.origin.z;
   packet_.dir_x[i] = direction.x, packet_.dir_y[i] = direction.y, packet_.dir_z[i] = direction.z;
-  packet_.tnear[i] = 0, packet_.tfar[i] = kReach, packet_.time[i] = 0, packet_.mask[i] = ~0u;
+  packet_.tnear[i] = 0, packet_.tfar[i] = kReach / shrink, packet_.time[i] = 0, packet_.mask[i] = ~0u;
   valid_[i] = -1;
   results_[i] = &visible;
   if (count_ == kPacket) flush();

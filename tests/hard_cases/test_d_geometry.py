@@ -155,3 +155,36 @@ def test_d49_200000_identical_triangles(vertices):
         pictures.append(render(scene, 64, stop_rule="FIXED"))
     assert (pictures[0].red == pictures[1].red).all() and pictures[1].red.max() > 0
     assert pictures[1].statistics["warnings"] == ["199999 triangles that are copies of others were left out: 'stack'"]
+
+
+@pytest.mark.parametrize("rule", [BOUNDED, FIXED, ANTIALIASED])
+def test_d39_nearly_singular_instances_of_a_shared_mesh(rule):
+    """Embree inverts their matrices in single precision, and aborts the process at what comes out. Found by fuzzing."""
+    flat = np.eye(4)
+    flat[:3, :3] = [[1, 1, 2], [0.5, 0.5, 1], [0, 1e-9, 1e-9]]
+    scene = lit_floor()
+    mesh = add(scene, "box", box([-0.3, -0.3, 0], [0.3, 0.3, 0.6]))
+    grey = scene.add_material("grey", (0.5,) * 3)
+    for matrix in (flat, flat.T.copy(), scaling(1e-20, 1e-20, 1e-20)):
+        matrix[:3, 3], matrix[3] = 0, [0, 0, 0, 1]
+        scene.add_instance("crushed", mesh, matrix, [grey])
+    picture = render(scene, 8, **rule)
+    assert all(np.isfinite(values).all() for values in picture.passes.values())
+    text = "3 objects whose scale is zero in some direction were left out: 'crushed' and 2 more"
+    assert picture.statistics["warnings"] == [text]
+
+
+@pytest.mark.parametrize("rule", [BOUNDED, FIXED, ANTIALIASED])
+@pytest.mark.parametrize("distance", [1e10, 1e18, 5e18, 1e30])
+def test_d41_rays_longer_than_embree_takes(distance, rule):
+    """A luminaire so far away that it shines straight down, half of it behind a ceiling, and a camera of a window as
+    wide: directions beyond 1.8e18 abort the process unless they are shrunk. The ceiling's shadow ends below its edge."""
+    scene = lit_floor(size=(distance / 100,) * 2, light=translation(0, 0, distance), radiance=(3e4,) * 3)
+    add(scene, "ceiling", (np.array([[0, -4, 0.5], [4, -4, 0.5], [4, 4, 0.5], [0, 4, 0.5]]),
+                           np.array([[0, 1, 2], [0, 2, 3]], np.int32)))  # fmt: skip
+    look_down(scene, 2, 0.4)
+    picture = render(scene, 8, **rule)
+    if distance < 1e30:  # beyond 1e19 the square of the distance is none that float32 holds
+        assert (picture.red[:, :3] > 0).all() and (picture.red[:, 5:] == 0).all()
+    scene.set_camera("PERSPECTIVE", translation(0, 0, 1), (-distance, distance, -1, 1), (1e-30, 1e30))
+    assert all(np.isfinite(values).all() for values in render(scene, 8, **rule).passes.values())
