@@ -178,13 +178,13 @@ def test_d39_nearly_singular_instances_of_a_shared_mesh(rule):
 @pytest.mark.parametrize("distance", [1e10, 1e18, 5e18, 1e30])
 def test_d41_rays_longer_than_embree_takes(distance, rule):
     """A luminaire so far away that it shines straight down, half of it behind a ceiling, and a camera of a window as
-    wide: directions beyond 1.8e18 abort the process unless they are shrunk. The ceiling's shadow ends below its edge."""
+    wide: directions beyond 1.8e18 abort the process unless they are shrunk. The shadow ends below the edge."""
     scene = lit_floor(size=(distance / 100,) * 2, light=translation(0, 0, distance), radiance=(3e4,) * 3)
     add(scene, "ceiling", (np.array([[0, -4, 0.5], [4, -4, 0.5], [4, 4, 0.5], [0, 4, 0.5]]),
                            np.array([[0, 1, 2], [0, 2, 3]], np.int32)))  # fmt: skip
     look_down(scene, 2, 0.4)
     picture = render(scene, 8, **rule)
     if distance < 1e30:  # beyond 1e19 the square of the distance is none that float32 holds
-        assert (picture.red[:, :3] > 0).all() and (picture.red[:, 5:] == 0).all()
+        assert (picture.red[:, :2] > 0).all() and (picture.red[:, 6:] == 0).all()
     scene.set_camera("PERSPECTIVE", translation(0, 0, 1), (-distance, distance, -1, 1), (1e-30, 1e30))
     assert all(np.isfinite(values).all() for values in render(scene, 8, **rule).passes.values())
