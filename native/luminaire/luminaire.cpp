@@ -6,6 +6,7 @@
 #include "luminaire/flat_emitter.h"
 #include "luminaire/mesh_emitter.h"
 #include "luminaire/point_emitter.h"
+#include "luminaire/spread_emitter.h"
 #include "luminaire/sun_emitter.h"
 
 namespace penumbra {
@@ -17,6 +18,8 @@ struct Parts {
 };
 
 Parts make_parts(const AreaLuminaire& d, const Normalization& n) {
+  constexpr double kWidest = std::numbers::pi - 1e-3;  // where nothing is left of the fall
+  if (d.spread < kWidest) return {std::make_shared<SpreadEmitter>(d, n), d.radiance};
   return {std::make_shared<FlatEmitter>(d, n), d.radiance};
 }
 

@@ -2,6 +2,8 @@
 // What gives light, of penumbra_native.Scene: luminaires and the background.
 #include <pybind11/stl.h>
 
+#include <numbers>
+
 #include "luminaire/flat_emitter.h"
 #include "python/arrays.h"
 #include "python/bindings.h"
@@ -24,10 +26,10 @@ LuminaireShape shape_from_name(const std::string& shape, const std::string& name
 
 void add_area_light(PythonScene& self, const std::string& name, const std::string& shape,
                     const py::array& world_from_light, const Pair& size, const Color& radiance,
-                    bool cast_shadow) {
-  self.scene->add_luminaire({name, shape_from_name(shape, name),
-                             read_transform(world_from_light, name, "world_from_light"), size[0], size[1],
-                             vec(radiance), cast_shadow});
+                    bool cast_shadow, double spread) {
+  self.scene->add_luminaire(AreaLuminaire{name, shape_from_name(shape, name),
+                                          read_transform(world_from_light, name, "world_from_light"), size[0],
+                                          size[1], vec(radiance), cast_shadow, spread});
 }
 
 RoundShape round_shape_from_name(const std::string& shape, const std::string& name) {
@@ -73,9 +75,11 @@ void bind_luminaires(py::class_<PythonScene>& scene) {
   scene
       .def("add_area_light", &add_area_light, py::arg("name"), py::arg("shape"), py::arg("world_from_light"),
            py::arg("size"), py::arg("radiance"), py::arg("cast_shadow") = true,
+           py::arg("spread") = std::numbers::pi,
            R"(Adds a flat, one-sided luminaire in its local xy plane, emitting towards local -z.
 
-shape: RECTANGLE or ELLIPSE. size: full extents (x, y) before the transform. radiance: (r, g, b), W/(sr m^2).)")
+shape: RECTANGLE or ELLIPSE. size: full extents (x, y) before the transform. radiance: (r, g, b), W/(sr m^2). spread:
+full angle of the cone that light leaves in, radians; the power stays that of pi.)")
       .def("add_point_light", &add_point_light, py::arg("name"), py::arg("world_from_light"),
            py::arg("radius"), py::arg("intensity"), py::arg("cast_shadow") = true,
            py::arg("shape") = "SPHERE", py::arg("spot") = py::none(), py::arg("cosine_falloff") = false,

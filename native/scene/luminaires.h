@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <variant>
@@ -21,8 +22,9 @@ struct AreaLuminaire {
   LuminaireShape shape;
   Affine world_from_light;
   double size_x, size_y;  // full extents in local space
-  Vec3d radiance;         // W / (sr m^2)
+  Vec3d radiance;         // W / (sr m^2); its mean over all directions, cosine-weighted
   bool cast_shadow = true;
+  double spread = std::numbers::pi;  // full angle of the cone that light leaves in, radians
 };
 
 /// The cone of a spot around the light's local -z: full inside, none outside `angle`, and between them

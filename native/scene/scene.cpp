@@ -95,7 +95,9 @@ void Scene::add_luminaire(AreaLuminaire luminaire) {
   if (!is_finite(luminaire.radiance)) refuse(name, "the radiance is not finite");
   hash_ = hash_bytes(hash_, &luminaire.world_from_light, sizeof(Affine));
   hash_ = hash_bytes(hash_, &luminaire.radiance, sizeof(Vec3d));
-  const double shape[3] = {double(luminaire.shape), luminaire.size_x, luminaire.size_y};
+  if (!(luminaire.spread >= 0 && luminaire.spread <= kMostAngle))
+    refuse(name, "the spread must lie in 0 ... pi");
+  const double shape[4] = {double(luminaire.shape), luminaire.size_x, luminaire.size_y, luminaire.spread};
   hash_ = hash_of(hash_bytes(hash_, shape, sizeof(shape)), luminaire.cast_shadow);
   luminaires_.emplace_back(std::move(luminaire));
 }

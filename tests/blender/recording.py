@@ -42,12 +42,12 @@ class Recording:
                 recording.instances.append(SimpleNamespace(name=name, mesh=mesh, matrix=matrix, materials=materials))
                 return super().add_instance(name, mesh, matrix, materials)
 
-            def add_area_light(self, name, shape, matrix, size, radiance, cast_shadow):
+            def add_area_light(self, name, shape, matrix, size, radiance, cast_shadow, spread):
                 recording.lights.append(
                     SimpleNamespace(name=name, shape=shape, matrix=matrix, size=size, radiance=radiance,
-                                    cast_shadow=cast_shadow)
+                                    cast_shadow=cast_shadow, spread=spread)
                 )  # fmt: skip
-                return super().add_area_light(name, shape, matrix, size, radiance, cast_shadow)
+                return super().add_area_light(name, shape, matrix, size, radiance, cast_shadow, spread)
 
             def add_point_light(self, name, matrix, radius, intensity, **shape):
                 recording.lights.append(

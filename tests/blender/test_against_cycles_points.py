@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Point, spot and sun lights against Cycles in the same Blender: power, radius, cone and blend, shadows."""
+"""Point, spot and sun lights, and soft boxes, against Cycles in the same Blender: power, radius, cone, blend, shadows."""
 
 import math
 
@@ -20,6 +20,9 @@ LIGHTS = {
     "spot of some radius": ("SPOT", {"shadow_soft_size": 0.3, "spot_size": 1.0, "spot_blend": 0.15}, TILTED),
     "scaled spot": ("SPOT", {"shadow_soft_size": 0.0, "spot_size": 0.9, "spot_blend": 0.4},
                     TILTED | {"scale": (1.5, 0.7, 1.0)}),
+    "soft box": ("AREA", {"size": 1.0, "spread": math.radians(60)}, TILTED),
+    "narrow soft box": ("AREA", {"size": 1.5, "spread": math.radians(5)}, TILTED),
+    "round soft box": ("AREA", {"shape": "ELLIPSE", "size": 1.0, "size_y": 0.6, "spread": math.radians(120)}, TILTED),
     "sun": ("SUN", {"angle": 0.0}, {"rotation": (0.4, 0.3, 0.0)}),
     "real sun": ("SUN", {"angle": math.radians(0.526)}, {"rotation": (1.0, 0.3, 0.0), "scale": (2, 2, 2)}),
     "wide sun": ("SUN", {"angle": math.radians(40)}, {"rotation": (0.6, 0.2, 0.0)}),

@@ -135,10 +135,10 @@ def test_lights_without_power_are_left_out(scene, recorded, kind):
     assert recorded().lights == []
 
 
-def test_ignored_features_have_one_note(scene, recorded):
-    light = add_area_light(scene).data
-    light.spread = math.radians(90)
-    assert recorded().notes == ["light 'Light': spread below 180 degrees not supported yet and ignored"]
+def test_spread(scene, recorded):
+    add_area_light(scene).data.spread = math.radians(90)
+    found = recorded()
+    assert found.lights[0].spread == pytest.approx(math.pi / 2) and found.notes == []
 
 
 def test_emission_nodes_multiply(scene, recorded):

@@ -165,8 +165,15 @@ def glowing_ribbon(stage):
     stage.glow(box([-0.2, -0.2, -0.2], [0.2, 0.2, 0.2]), translation(-3.0, -1.5, 2.0) @ rotation([1, 2, 3], 40), 6.0)
 
 
+def soft_boxes(stage):
+    solid_shapes(stage)
+    down = translation(1.5, -1.0, 4.0) @ rotation([1, 1, 0], 15)
+    for shape, matrix, spread in (("RECTANGLE", down, 1.0), ("ELLIPSE", translation(-1.5, 1.0, 4.0), 2.0)):
+        stage.scene.add_area_light("box", shape, matrix, (1.0, 0.7), (12.0,) * 3, stage.shadows, spread)
+
+
 SCENES = (open_floor, solid_objects, slanted_fence, wires, blinds, foliage, ellipse_and_square, many_luminaires,
-          ball, spots, sunny, overcast, garden, glowing_ball, glowing_ribbon)  # fmt: skip
+          ball, spots, sunny, overcast, garden, glowing_ball, glowing_ribbon, soft_boxes)  # fmt: skip
 
 
 def make(function, shadows=True):

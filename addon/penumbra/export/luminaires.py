@@ -42,8 +42,6 @@ def ignored_features(light_object) -> list[str]:
     found = []
     if not getattr(light, "normalize", True):  # Blender 4.5+
         found.append("normalize off")
-    if light.type == "AREA" and light.spread < math.radians(179.9):
-        found.append("spread below 180 degrees")
     linking = getattr(light_object, "light_linking", None)  # Blender 4.0+
     if linking and (linking.receiver_collection or linking.blocker_collection):
         found.append("light linking")
@@ -93,6 +91,7 @@ class Luminaires:
         light = light_object.data
         size = light.size, light.size_y if light.shape in ("RECTANGLE", "ELLIPSE") else light.size
         check_finite(light_object, "size", size)
+        check_finite(light_object, "spread", light.spread)
         shape = SHAPES[light.shape]
         area = self._scene.area_of(shape, matrix, size)
         if area == 0:
@@ -100,7 +99,7 @@ class Luminaires:
             return
         self._scene.add_area_light(
             light_object.name, shape, matrix, size, area_radiance(light.energy, colour, area),
-            cast_shadow=compat.light_casts_shadows(light),
+            cast_shadow=compat.light_casts_shadows(light), spread=min(light.spread, math.pi),
         )  # fmt: skip
 
     def _add_point(self, light_object, matrix: np.ndarray, colour: Colour, issues: list[str]) -> None:
