@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Point, spot and sun lights, and soft boxes, against Cycles in the same Blender: power, radius, cone, blend, shadows."""
+"""Point, spot and sun lights, and soft boxes, against Cycles in the same Blender: power, radius, cone, shadows."""
 
 import math
 

@@ -141,6 +141,14 @@ def test_spread(scene, recorded):
     assert found.lights[0].spread == pytest.approx(math.pi / 2) and found.notes == []
 
 
+def test_a_light_that_the_camera_should_see_has_a_note(scene, recorded):
+    light = add_light(scene, "POINT")
+    light.visible_camera = False
+    assert recorded().notes == []
+    light.visible_camera = True
+    assert recorded().notes == ["light 'Light': visibility to the camera not supported yet and ignored"]
+
+
 def test_emission_nodes_multiply(scene, recorded):
     light = add_light(scene, "POINT", power=4 * math.pi, color=(1.0, 0.5, 0.25)).data
     light.use_nodes = True

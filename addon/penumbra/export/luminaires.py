@@ -42,6 +42,8 @@ def ignored_features(light_object) -> list[str]:
     found = []
     if not getattr(light, "normalize", True):  # Blender 4.5+
         found.append("normalize off")
+    if light_object.visible_camera:
+        found.append("visibility to the camera")
     linking = getattr(light_object, "light_linking", None)  # Blender 4.0+
     if linking and (linking.receiver_collection or linking.blocker_collection):
         found.append("light linking")
