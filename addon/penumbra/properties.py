@@ -104,8 +104,9 @@ class PenumbraSettings(bpy.types.PropertyGroup):
         default="BLACKMAN_HARRIS",
     )  # fmt: skip
     filter_width: FloatProperty(
-        name="Filter Width", description="Width of the pixel filter as Cycles has it: Blackman-Harris reaches that far to each side, Box half as"
-        " far", subtype="PIXEL",
+        name="Filter Width", subtype="PIXEL",
+        description="Width of the pixel filter as Cycles has it: Blackman-Harris reaches that far to each side, Box half"
+        " as far",
         default=1.5, min=0.01, max=10.0, soft_min=1.0, soft_max=4.0,
     )  # fmt: skip
     mirror_depth: IntProperty(

@@ -68,7 +68,7 @@ make_chroot() {
 ensure_chroot() {
   local name=$1 root=$cache/$1 recipe
   shift
-  recipe=$(cat "${BASH_SOURCE[0]}" - <<<"$*" | sha256sum)
+  recipe=$({ declare -f make_chroot; echo "$*"; } | sha256sum)
   if [[ "$(cat "$root/.penumbra" 2>/dev/null)" == "$recipe" && -z $(find "$root/.penumbra" -mtime +$days_until_stale) ]] &&
     [[ -z $(enter "$root" dpkg --audit 2>&1) ]]; then
     return

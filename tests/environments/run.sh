@@ -39,10 +39,18 @@ prepare() {
     cp -r "$cache/sid/usr/include/"{embree4,OpenImageIO,Imath} "$2/root/headers/"
 }
 
-# run NAME ROOT: its tests.
+pictures=$repository/build/pictures
+
+# run NAME ROOT: its tests, and its picture of the example scene.
 run() {
-  copy_sources "$repository" "$2/root/penumbra" &&
-    enter "$2" env --chdir=/root/penumbra CMAKE_CXX_COMPILER_LAUNCHER=ccache ${command[$1]}
+  local sources=$2/root/penumbra program="blender -b --factory-startup --python-exit-code 1 -P"
+  [[ $1 != bpy ]] || program=/root/.cache/penumbra/bpy/bin/python
+  copy_sources "$repository" "$sources" &&
+    enter "$2" env --chdir=/root/penumbra CMAKE_CXX_COMPILER_LAUNCHER=ccache ${command[$1]} || return
+  [[ $1 != arm64 && -e $repository/examples/four_objects.blend ]] || return 0
+  cp "$repository/examples/four_objects.blend" "$sources/examples/" &&
+    enter "$2" env --chdir=/root/penumbra $program tests/environments/picture.py -- "build/pictures/$1" &&
+    mkdir -p "$pictures" && cp -r "$sources/build/pictures/$1" "$pictures/"
 }
 
 names=("$@")

@@ -140,7 +140,10 @@ def test_bounded_keeps_the_tolerance_in_alpha_too():
 
 
 def test_blackman_harris_filter_gives_its_share():
-    """An edge through the pixels' middle: half, by symmetry, and the window's integral a quarter of its support, twice the width, away."""
+    """An edge through the pixels' middle: half, by symmetry.
+
+    And a quarter of its support, twice the width, away: the window's integral.
+    """
     alpha = edge_coverage(0.5, 1024, "BLACKMAN_HARRIS", 2.0)
     x = (np.arange(20000) + 0.5) / 20000
     w = 0.35875 - 0.48829 * np.cos(2 * np.pi * x) + 0.14128 * np.cos(4 * np.pi * x) - 0.01168 * np.cos(6 * np.pi * x)
