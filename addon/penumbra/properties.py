@@ -105,8 +105,8 @@ class PenumbraSettings(bpy.types.PropertyGroup):
     )  # fmt: skip
     filter_width: FloatProperty(
         name="Filter Width", subtype="PIXEL",
-        description="Width of the pixel filter as Cycles has it: Blackman-Harris reaches that far to each side, Box half"
-        " as far",
+        description="Width of the pixel filter as Cycles has it: Blackman-Harris reaches that far to each side, Box"
+        " half as far",
         default=1.5, min=0.01, max=10.0, soft_min=1.0, soft_max=4.0,
     )  # fmt: skip
     mirror_depth: IntProperty(
