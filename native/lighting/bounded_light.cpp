@@ -26,9 +26,7 @@ class BlockLight {
              const Sampler& sampler, const BoundedSettings& settings, const std::vector<LitPoint>& points,
              std::vector<PixelLight>& out, LightTally& tally)
       : block_(block),
-        geometry_(geometry),
         luminaires_(luminaires),
-        sampler_(sampler),
         settings_(settings),
         points_(points),
         out_(out),
@@ -80,9 +78,7 @@ class BlockLight {
   void refine_tiles();
 
   const Block& block_;
-  const Geometry& geometry_;
   const std::vector<Luminaire>& luminaires_;
-  const Sampler& sampler_;
   const BoundedSettings& settings_;
   const std::vector<LitPoint>& points_;
   std::vector<PixelLight>& out_;
