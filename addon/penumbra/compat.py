@@ -17,6 +17,12 @@ SUN_IS_FLAT = bpy.app.version < (4, 0, 0)
 """Before Blender 4.0 the sun is a flat disk with the whole strength, since then a cap that shines as strong on a
 surface that faces it."""
 
+PRINCIPLED_HAS_LAYERS = bpy.app.version >= (4, 0, 0)
+"""The Principled BSDF is made of layers since Blender 4.0, of Burley's closures before."""
+
+GGX_IS_CORRELATED = bpy.app.version >= (3, 5, 0)
+"""Cycles' microfacets know of masking and shadowing together since Blender 3.5."""
+
 FILE_PATH_OPTIONS = (
     {"PATH_SUPPORTS_BLEND_RELATIVE"}
     if "is_path_supports_blend_relative" in bpy.types.Property.bl_rna.properties
@@ -54,6 +60,11 @@ def corner_normals(mesh) -> np.ndarray:
         mesh.calc_normals_split()
         mesh.loops.foreach_get("normal", normals.ravel())
     return normals
+
+
+def render_colour(mesh):
+    """The colour attribute of a mesh that is active for rendering; None without one."""
+    return mesh.attributes.get(mesh.color_attributes.default_color_name or "")
 
 
 def node_tree(datablock):

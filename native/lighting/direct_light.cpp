@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "lighting/lobe_colours.h"
 #include "sampling/hash.h"
 #include "visibility/shadow_rays.h"
 
@@ -37,16 +38,15 @@ void DirectLight::light(const Block& block, const std::vector<LitPoint>& points,
 
 DirectLight::Estimate DirectLight::from(const Luminaire& luminaire, const ShadingPoint& point,
                                         const StreamKey& key, LightTally& tally) const {
-  const Material& material = point.material;
-  const Vec3d diffuse = luminaire.radiance() * material.diffuse,
-              phong = luminaire.radiance() * material.phong;
-  if ((max_abs(diffuse) == 0 && !point.has_phong) || luminaire.unseen_from(point.surface)) {
+  if (!point.material.reflects() || luminaire.unseen_from(point.surface)) {
     ++tally.decided_without_ray;
     return {};
   }
+  const Vec3d diffuse = luminaire.radiance() * diffuse_colour(point, luminaire).of_weight(),
+              glossy = luminaire.radiance() * glossy_colour(point, luminaire);
 
   const ShadowRays rays(geometry_, point.surface);
-  StopRule rule(stop_, diffuse, phong);
+  StopRule rule(stop_, diffuse, glossy);
   Moments moments;
   alignas(64) float u[kBatch], v[kBatch], specular[kPacket];
   LightPoints points;
@@ -69,12 +69,13 @@ DirectLight::Estimate DirectLight::from(const Luminaire& luminaire, const Shadin
       std::fill(f + size, f + kPacket, 0.0f);  // generated, but not asked for
       alignas(64) int ray_of[kPacket] = {};
       if (luminaire.casts_shadow()) traced += rays.hide(x, y, z, f, ray_of);
-      if (point.has_phong) evaluate_phong(point, x, y, z, f, size, specular);
+      if (point.has_glossy) evaluate_glossy(point, x, y, z, f, size, specular);
+      weigh_diffuse(point, x, y, z, size, f);
       // The rule sees the points as if they came one by one.
       uint32_t added = 0;
       while (added < size && !done) {
         const uint32_t n = std::min(until_check, size - added);
-        moments.add(f + added, point.has_phong ? specular + added : nullptr, n);
+        moments.add(f + added, point.has_glossy ? specular + added : nullptr, n);
         added += n;
         until_check -= n;
         if (until_check > 0) continue;
@@ -87,7 +88,7 @@ DirectLight::Estimate DirectLight::from(const Luminaire& luminaire, const Shadin
   tally.light_points += uint64_t(moments.count);
   tally.shadow_rays += traced;
   if (traced == 0) ++tally.decided_without_ray;
-  return {moments.mean(diffuse, phong), moments.variance_of_mean(diffuse, phong), uint64_t(moments.count),
+  return {moments.mean(diffuse, glossy), moments.variance_of_mean(diffuse, glossy), uint64_t(moments.count),
           !done && !luminaire.is_point()};
 }
 

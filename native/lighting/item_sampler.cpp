@@ -3,14 +3,15 @@
 
 #include <algorithm>
 
+#include "lighting/lobe_colours.h"
 #include "sampling/hash.h"
 #include "visibility/shadow_rays.h"
 
 namespace penumbra {
 namespace {
 
-/// Points for the unshadowed Phong lobe, which has no closed form: shading only, no rays.
-constexpr uint32_t kPhongPoints = 1024;
+/// Points for unshadowed glossy lobes, which have no closed form: shading only, no rays.
+constexpr uint32_t kGlossyPoints = 1024;
 
 /// B blocks of n / B points overstate the variance of the whole by B to this power: 3/2 for an edge through
 /// the luminaire (Owen-scrambled nets), 1 for independent points; foliage lies between.
@@ -49,29 +50,29 @@ BoundedItem ItemSampler::make(uint32_t point, uint32_t luminaire, double form_fa
   item.point = point;
   item.luminaire = luminaire;
   const Vec3d arriving = lit.throughput * luminaires_[luminaire].radiance();
-  item.diffuse = arriving * lit.material->diffuse * form_factor;
-  if (max_component(lit.material->phong) > 0)
-    item.phong = arriving * lit.material->phong * unshadowed_phong(lit, luminaires_[luminaire], key(item));
+  const ShadingPoint shading(lit.surface, *lit.material, lit.ray_direction);
+  item.diffuse = arriving * diffuse_colour(shading, luminaires_[luminaire]).mean * form_factor;
+  if (shading.has_glossy)
+    item.phong = unshadowed_glossy(shading, arriving, luminaires_[luminaire], key(item));
   item.diffuse_size = max_abs(item.diffuse) * settings_.display_scale;
   item.phong_size = max_abs(item.phong) * settings_.display_scale;
   return item;
 }
 
-double ItemSampler::unshadowed_phong(const LitPoint& lit, const Luminaire& luminaire,
-                                     const StreamKey& key) const {
-  const ShadingPoint point(lit.surface, *lit.material, lit.ray_direction);
-  alignas(64) float u[kBatch], v[kBatch], phong[kBatch];
+Vec3d ItemSampler::unshadowed_glossy(const ShadingPoint& point, const Vec3d& arriving,
+                                     const Luminaire& luminaire, const StreamKey& key) const {
+  alignas(64) float u[kBatch], v[kBatch];
   LightPoints points;
-  double sum = 0;
-  const uint32_t count = std::min(kPhongPoints, settings_.max_light_samples / kPacket * kPacket);
+  Reflection sum;
+  const uint32_t count = std::min(kGlossyPoints, settings_.max_light_samples / kPacket * kPacket);
   for (uint32_t first = 0; first < count; first += kBatch) {
     const uint32_t n = std::min(kBatch, count - first);
     sampler_.points(key, first, n, u, v);
-    luminaire.evaluate(lit.surface, u, v, n, points);
-    evaluate_phong(point, points.x, points.y, points.z, points.form_factor, n, phong);
-    for (uint32_t i = 0; i < n; ++i) sum += double(phong[i]);
+    luminaire.evaluate(point.surface, u, v, n, points);
+    add_reflection(point, points.x, points.y, points.z, points.form_factor, n, sum);
   }
-  return sum / count;
+  if (point.material.has_glossy_lobes) return arriving * sum.glossy / count;
+  return arriving * point.material.phong * (sum.weight / count);
 }
 
 void ItemSampler::look(BoundedItem& item, LightTally& tally) const {
@@ -85,12 +86,13 @@ void ItemSampler::look(BoundedItem& item, LightTally& tally) const {
   float* f = points.form_factor;
   const uint32_t looks = luminaire.is_point() ? 1 : kFirstLook;
   std::fill(f + looks, f + kPacket, 0.0f);
-  uint8_t facing = 0;
-  for (uint32_t i = 0; i < kFirstLook; ++i) facing |= uint8_t((f[i] > 0) << i);
+  float unshadowed[kFirstLook];
+  std::copy(f, f + kFirstLook, unshadowed);
   if (luminaire.casts_shadow())
     tally.shadow_rays += ShadowRays(geometry_, lit.surface).hide(points.x, points.y, points.z, f, traced);
+  // Behind a transparent surface a point is both.
   for (uint32_t i = 0; i < kFirstLook; ++i) item.first_lit |= uint8_t((f[i] > 0) << i);
-  item.first_dark = facing & uint8_t(~item.first_lit);
+  for (uint32_t i = 0; i < kFirstLook; ++i) item.first_dark |= uint8_t((f[i] < unshadowed[i]) << i);
   item.looked = true;
 }
 
@@ -107,28 +109,32 @@ void ItemSampler::advance(BoundedItem& item, uint32_t target, LightTally& tally)
     luminaire.evaluate(lit.surface, u, v, kPacket, points);
     float* f = points.form_factor;
     std::copy(f, f + kPacket, unshadowed);
-    // The first look's rays are known already.
-    float known[kFirstLook];
+    // The first look's rays are known already, but those that transparent surfaces dimmed.
+    float known[kFirstLook] = {};
+    const uint32_t dimmed = item.first_lit & item.first_dark;
     const bool looked = item.count == 0 && item.looked;
     if (looked) {
       for (uint32_t i = 0; i < kFirstLook; ++i) {
         known[i] = item.first_lit >> i & 1 ? f[i] : 0.0f;
-        f[i] = 0;
+        if (!(dimmed >> i & 1)) f[i] = 0;
       }
     }
     if (luminaire.casts_shadow()) tally.shadow_rays += rays.hide(points.x, points.y, points.z, f, traced);
-    if (looked) std::copy(known, known + kFirstLook, f);
-    if (point.has_phong) {
-      evaluate_phong(point, points.x, points.y, points.z, unshadowed, kPacket, phong);
-      evaluate_phong(point, points.x, points.y, points.z, f, kPacket, visible_phong);
+    for (uint32_t i = 0; looked && i < kFirstLook; ++i)
+      if (!(dimmed >> i & 1)) f[i] = known[i];
+    if (point.has_glossy) {
+      evaluate_glossy(point, points.x, points.y, points.z, unshadowed, kPacket, phong);
+      evaluate_glossy(point, points.x, points.y, points.z, f, kPacket, visible_phong);
     }
+    weigh_diffuse(point, points.x, points.y, points.z, kPacket, unshadowed);
+    weigh_diffuse(point, points.x, points.y, points.z, kPacket, f);
     for (uint32_t i = 0; i < kPacket; ++i) {
       if (item.count == 0 && i == kPacket / 2) item.at_power = item.sums;  // halves of the first packet
       item.sums.f += double(unshadowed[i]);
       item.sums.fv += double(f[i]);
       item.facing += unshadowed[i] > 0;
       item.lit += f[i] > 0;
-      if (point.has_phong) {
+      if (point.has_glossy) {
         item.sums.p += double(phong[i]);
         item.sums.pv += double(visible_phong[i]);
       }

@@ -29,7 +29,8 @@ class ItemSampler {
 
  private:
   StreamKey key(const BoundedItem& item) const;
-  double unshadowed_phong(const LitPoint& lit, const Luminaire& luminaire, const StreamKey& key) const;
+  Vec3d unshadowed_glossy(const ShadingPoint& point, const Vec3d& arriving, const Luminaire& luminaire,
+                          const StreamKey& key) const;
 
   const Geometry& geometry_;
   const std::vector<Luminaire>& luminaires_;

@@ -3,11 +3,12 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "lighting/pixel_trace.h"
 #include "luminaire/luminaire.h"
-#include "material/phong.h"
+#include "material/shading_point.h"
 #include "sampling/sampler.h"
 #include "visibility/geometry.h"
 
@@ -21,11 +22,12 @@ inline constexpr uint32_t kTile = 8;
 struct LitPoint {
   SurfacePoint surface;
   Vec3d ray_direction;  // of the ray that found it
-  const Material* material;
-  Vec3d throughput;  // of the mirrors before it
-  uint64_t stream;   // its number among the frame's surface points
-  uint32_t pixel;    // x + y * width in the block
-  uint32_t bounce;   // mirrors before it
+  const Closures* material;
+  Vec3d throughput;                           // of the mirrors before it
+  uint64_t stream;                            // its number among the frame's surface points
+  uint32_t pixel;                             // x + y * width in the block
+  uint32_t bounce;                            // points of the path before it
+  std::shared_ptr<const Closures> evaluated;  // where `material` varies over the surface; else null
 };
 
 /// A rectangle of pixels: the core, which gets its final values, and pixels around it that are only looked

@@ -107,6 +107,15 @@ std::vector<Vec3f> read_colors(const py::array& array, const std::string& name, 
   return read_vectors(array, size_t(array.shape(0)) * size_t(array.shape(1)));
 }
 
+std::vector<std::array<float, 4>> read_attribute(const py::array& array, const std::string& name) {
+  check_shape(array, {kAny, 3, 4}, name, "attributes");
+  check_kind(array, "f", "a floating point type", name, "attributes");
+  const auto values = contiguous<float>(array);
+  std::vector<std::array<float, 4>> result(size_t(array.shape(0)) * 3);
+  if (!result.empty()) std::memcpy(result.data(), values.data(), result.size() * sizeof(result[0]));
+  return result;
+}
+
 std::vector<uint32_t> read_slots(const py::array& array, const std::string& name) {
   check_shape(array, {kAny}, name, "material_slots");
   check_kind(array, "iu", "an integer type", name, "material_slots");

@@ -30,6 +30,8 @@ std::vector<std::array<uint32_t, 3>> read_triangles(const py::array& array, cons
 std::vector<Vec3f> read_corner_normals(const py::array& array, const std::string& name);
 /// (height, width, 3) colours, row by row.
 std::vector<Vec3f> read_colors(const py::array& array, const std::string& name, const char* argument);
+/// (T, 3, 4) floating point, four values a corner.
+std::vector<std::array<float, 4>> read_attribute(const py::array& array, const std::string& name);
 /// (T,) integers; negative ones count as slot 0, as in Blender.
 std::vector<uint32_t> read_slots(const py::array& array, const std::string& name);
 /// (4, 4) floating point whose last row is 0, 0, 0, 1.

@@ -96,10 +96,11 @@ class PythonRender {
     {
       const py::gil_scoped_release release;
       scene.build(uint64_t(read.memory_limit) << 20);
-      renderer_ =
-          std::make_unique<Renderer>(std::make_shared<const Scene>(*scene.scene), scene.geometry, read);
+      renderer_ = std::make_unique<Renderer>(std::make_shared<const Scene>(*scene.scene), scene.geometry,
+                                             scene.materials, read);
     }
     geometry_ = scene.geometry;
+    materials_ = scene.materials;
     build_seconds_ = scene.build_seconds;
     scene_hash_ = scene.scene->hash();
     luminaires_ = scene.scene->luminaires().size();
@@ -134,6 +135,7 @@ class PythonRender {
     char hash[17];
     std::snprintf(hash, sizeof(hash), "%016llx", static_cast<unsigned long long>(scene_hash_));
     std::vector<std::string> warnings = geometry_->notes();
+    for (std::string& text : materials_->problems()) warnings.push_back(std::move(text));
     if (t.non_finite_pixels)
       warnings.push_back(std::to_string(t.non_finite_pixels) +
                          " pixels were not finite and are black, the first is " + t.first_non_finite);
@@ -154,6 +156,7 @@ class PythonRender {
 
  private:
   std::shared_ptr<const Geometry> geometry_;
+  std::shared_ptr<const Materials> materials_;
   std::unique_ptr<Renderer> renderer_;
   double build_seconds_ = 0;
   uint64_t scene_hash_ = 0;

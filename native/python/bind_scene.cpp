@@ -20,7 +20,8 @@ Vec3d vec(const Color& c) {
 
 uint32_t add_mesh(PythonScene& self, const std::string& name, const py::array& positions,
                   const py::array& triangles, const std::optional<py::array>& corner_normals,
-                  const std::optional<py::array>& material_slots) {
+                  const std::optional<py::array>& material_slots,
+                  const std::map<uint32_t, py::array>& attributes) {
   Mesh mesh;
   mesh.name = name;
   mesh.positions = read_positions(positions, name);
@@ -32,6 +33,10 @@ uint32_t add_mesh(PythonScene& self, const std::string& name, const py::array& p
   if (material_slots) {
     check_shape(*material_slots, {triangles.shape(0)}, name, "material_slots");
     mesh.material_slots = read_slots(*material_slots, name);
+  }
+  for (const auto& [number, values] : attributes) {
+    check_shape(values, {triangles.shape(0), 3, 4}, name, "attributes");
+    mesh.attributes.push_back({number, read_attribute(values, name)});
   }
   return self.scene->add_mesh(std::move(mesh));
 }
@@ -51,7 +56,9 @@ void PythonScene::build(uint64_t memory_limit) {
   if (geometry) return;
   const auto begin = std::chrono::steady_clock::now();
   auto [meshes, instances] = scene->release_geometry();
-  geometry = std::make_shared<Geometry>(std::move(meshes), std::move(instances), memory_limit);
+  materials = std::make_shared<const Materials>(std::make_shared<const Scene>(*scene));
+  geometry = std::make_shared<Geometry>(std::move(meshes), std::move(instances), memory_limit,
+                                        scene->has_transparency() ? materials : nullptr);
   build_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
@@ -61,18 +68,27 @@ void bind_scene(py::module_& module) {
 
 Every method raises ValueError with the object's name in the text where its arguments make no sense. Arrays are
 copied. Once a Render was made of the scene, meshes and instances are fixed; the rest may still change.)");
+  bind_material(module, scene);
   scene.def(py::init<>())
       .def("add_mesh", &add_mesh, py::arg("name"), py::arg("positions"), py::arg("triangles"),
            py::arg("corner_normals") = py::none(), py::arg("material_slots") = py::none(),
+           py::arg("attributes") = std::map<uint32_t, py::array>{},
            R"(Adds triangles in object space and returns the mesh's number.
 
 positions: (V, 3) float32 or float64. triangles: (T, 3) integers, vertex indices. corner_normals: (T, 3, 3) float
-in object space, or None for flat shading. material_slots: (T,) integers, or None for slot 0.)")
+in object space, or None for flat shading. material_slots: (T,) integers, or None for slot 0. attributes: by number,
+(T, 3, 4) float at each corner: what programs read by that number.)")
       .def(
           "add_material",
           [](PythonScene& self, const std::string& name, const Color& diffuse, const Color& phong,
              double exponent, const Color& mirror) {
-            return self.scene->add_material({name, vec(diffuse), vec(phong), vec(mirror), exponent});
+            Material material;
+            material.name = name;
+            material.diffuse = vec(diffuse);
+            material.phong = vec(phong);
+            material.phong_exponent = exponent;
+            material.mirror = vec(mirror);
+            return self.scene->add_material(std::move(material));
           },
           py::arg("name"), py::arg("diffuse"), py::arg("phong") = Color{0, 0, 0},
           py::arg("phong_exponent") = 0.0, py::arg("mirror") = Color{0, 0, 0},

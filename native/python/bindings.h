@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 
+#include "material/evaluate.h"
 #include "render/settings.h"
 #include "visibility/geometry.h"
 
@@ -17,6 +18,7 @@ inline constexpr const char* kVersion = PENUMBRA_VERSION;
 /// A scene together with its acceleration structure, built for the first render and used by all.
 struct PythonScene {
   std::shared_ptr<Scene> scene = std::make_shared<Scene>();
+  std::shared_ptr<const Materials> materials;
   std::shared_ptr<const Geometry> geometry;
   double build_seconds = 0;
 
@@ -32,6 +34,7 @@ FilterKind filter_from_name(const std::string& name);
 
 void bind_scene(pybind11::module_& module);
 void bind_luminaires(pybind11::class_<PythonScene>& scene);
+void bind_material(pybind11::module_& module, pybind11::class_<PythonScene>& scene);
 void bind_render(pybind11::module_& module);
 void bind_sampling(pybind11::module_& module);
 

@@ -26,7 +26,7 @@ CentreLight::CentreLight(const RenderContext& context, const Block& block, Filte
       settings_{context.settings.error_tolerance, std::exp2(context.settings.exposure),
                 context.settings.max_light_samples},
       luminaires_(uint32_t(context.luminaires.size())),
-      lobes_(frame.phong ? 2 : 1),
+      lobes_(frame.glossy ? 2 : 1),
       pairs_(luminaires_ * context.paths.length()),
       first_point_(block.pixels(), kNone),
       path_length_(block.pixels(), 0),

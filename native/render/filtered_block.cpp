@@ -73,16 +73,16 @@ class FilteredBlock {
   CentreLight centres_;
 };
 
-bool some_phong(const Scene& scene) {
-  return std::ranges::any_of(scene.materials(), [](const Material& m) { return max_component(m.phong) > 0; });
+bool some_glossy(const Scene& scene) {
+  return std::ranges::any_of(scene.materials(), [](const Material& m) { return m.may_be_glossy(); });
 }
 
 FilteredFrame make_frame(const RenderContext& c, const Rectangle& area, const Block& block) {
-  const bool phong = some_phong(c.scene);
-  const uint32_t slots = uint32_t(c.luminaires.size()) * c.paths.length() * (phong ? 2 : 1);
+  const bool glossy = some_glossy(c.scene);
+  const uint32_t slots = uint32_t(c.luminaires.size()) * c.paths.length() * (glossy ? 2 : 1);
   return {area,
           block.width,
-          phong,
+          glossy,
           slots,
           std::vector<Slot>(size_t(block.pixels()) * slots),
           std::vector<uint8_t>(block.pixels())};
@@ -235,7 +235,7 @@ void FilteredBlock::find_uncertain() {
     for (uint32_t p = 0; p < block_.pixels(); ++p)
       flags[p] = uint8_t((slots(p)[s].lit ? kLit : 0) | (slots(p)[s].dark ? kDark : 0));
     spread(flags, block_.width, block_.height, kGateReach);
-    const bool wide = c_.luminaires[s / (frame_.phong ? 2 : 1) % c_.luminaires.size()].is_wide();
+    const bool wide = c_.luminaires[s / (frame_.glossy ? 2 : 1) % c_.luminaires.size()].is_wide();
     for (uint32_t p = 0; p < block_.pixels(); ++p)
       if (flags[p] == (kLit | kDark) || (wide && flags[p])) mark_uncertain(p, s);
   }
@@ -244,7 +244,7 @@ void FilteredBlock::find_uncertain() {
 
 /// Both lobes of a luminaire; a point light's shadow is an edge.
 void FilteredBlock::mark_uncertain(uint32_t p, uint32_t s) {
-  const uint32_t lobes = frame_.phong ? 2 : 1, pair = s / lobes;
+  const uint32_t lobes = frame_.glossy ? 2 : 1, pair = s / lobes;
   for (uint32_t lobe = 0; lobe < lobes; ++lobe) slots(p)[pair * lobes + lobe].uncertain = true;
   pixels_[p].uncertain = true;
   if (c_.luminaires[pair % c_.luminaires.size()].is_point()) frame_.edge[p] = 1;
@@ -360,7 +360,7 @@ void FilteredBlock::tell(PixelTrace& trace) {
   const uint32_t p = trace.pixel;
   const bool smooth = pixels_[p].uncertain && !frame_.edge[p];
   if (smooth) centres_.tell(trace);
-  penumbra::tell(trace, pixels_[p], slots(p), uint32_t(c_.luminaires.size()), frame_.phong ? 2 : 1, smooth);
+  penumbra::tell(trace, pixels_[p], slots(p), uint32_t(c_.luminaires.size()), frame_.glossy ? 2 : 1, smooth);
 }
 
 void FilteredBlock::write() {

@@ -2,39 +2,121 @@
 #include "render/paths.h"
 
 namespace penumbra {
+namespace {
+
+/// Transparent surfaces that a path may pass, and those of them whose own light it gathers.
+constexpr uint32_t kMaxPassed = 256, kMaxLitPassed = 7;
+/// A surface is what the data passes show if it hides more than this (Cycles' alpha threshold).
+constexpr double kSeenOpacity = 0.5;
+/// Share of the light below which a path ends: far below a display's steps.
+constexpr double kNegligible = 1e-5;
+
+double average(const Vec3d& c) {
+  return (c.x + c.y + c.z) / 3;
+}
+
+}  // namespace
+
+/// A stretch of a path, between mirrors and transparent surfaces.
+struct PathTracer::Part {
+  Ray ray;
+  Hit hit;
+  Vec3d throughput{1, 1, 1};
+  uint32_t mirrors = 0, passed = 0;
+  double t = 0, footprint = 0;  // at the ray's start
+
+  bool from_camera() const { return mirrors == 0; }
+};
+
+PathTracer::PathTracer(const Scene& scene, const Geometry& geometry, const Materials& materials,
+                       const RenderSettings& settings)
+    : scene_(scene),
+      geometry_(geometry),
+      materials_(materials),
+      mirror_depth_(scene.has_mirrors() ? settings.mirror_depth : 0),
+      length_(mirror_depth_ + 1 + (scene.has_transparency() ? kMaxLitPassed : 0)),
+      pixel_(std::abs(scene.camera().right - scene.camera().left) / settings.width) {}
+
+/// What a part sees that meets nothing.
+void PathTracer::leave(const Part& part, PathEnd& end) const {
+  const Background& background = scene_.background();
+  if (part.from_camera() && background.transparent)
+    end.alpha -= average(part.throughput);
+  else if (background.seen_by_camera || !part.from_camera())
+    end.background += part.throughput * background.radiance(part.ray.direction);
+}
 
 PathEnd PathTracer::follow(Ray ray, Hit hit, uint32_t pixel, uint64_t stream, std::vector<LitPoint>& points,
                            uint64_t& mirror_rays) const {
   PathEnd end;
-  const Background& background = scene_.background();
-  end.hit = hit.found();
-  if (!end.hit) {
-    if (!background.transparent) {
-      if (background.seen_by_camera) end.background = background.radiance(ray.direction);
-      end.alpha = 1;
-    }
-    return end;
-  }
   end.alpha = 1;
-  end.object = &geometry_.name_of(hit);
-  Vec3d throughput{1, 1, 1};
-  for (uint32_t bounce = 0;; ++bounce) {
-    const SurfacePoint surface = geometry_.surface_point(ray, hit);
-    const Material& material = scene_.materials()[surface.material];
-    points.push_back(
-        {surface, ray.direction, &material, throughput, stream * length() + bounce, pixel, bounce});
-    if (bounce == 0) end.first = surface;
+  const bool perspective = scene_.camera().kind == CameraKind::kPerspective;
+  const double scale = geometry_.normalization().scale;
+  uint32_t lit = 0;
+  std::vector<Part> waiting;  // mirrors in surfaces that the path went through
+  Part part{.ray = ray, .hit = hit, .footprint = perspective ? 0 : pixel_ * scale};
+  for (;;) {
+    Part mirrored;
+    bool goes_on = false;
+    if (!part.hit.found()) {
+      leave(part, end);
+    } else {
+      SurfacePoint surface = geometry_.surface_point(part.ray, part.hit);
+      const Material& material = scene_.materials()[surface.material];
+      const double t = surface.t;
+      const double footprint =
+          part.footprint + (perspective ? t * pixel_ * (part.from_camera() ? scale : 1.0) : 0.0);
+      std::shared_ptr<const Closures> evaluated;
+      if (material.program)
+        evaluated = std::make_shared<const Closures>(materials_.evaluate(
+            *material.program, surface,
+            {part.ray.direction, part.from_camera() ? RayKind::kCamera : RayKind::kMirror, footprint}));
+      const Closures& closures = evaluated ? *evaluated : material;
+      const double through = average(closures.transparency);
+      if (!end.hit && part.from_camera() && 1 - through > kSeenOpacity) {
+        end.hit = true;
+        end.object = &geometry_.name_of(part.hit);
+        end.first = surface;
+        end.first.t += part.t;
+      }
+      if (lit < length_ && (closures.reflects() || through == 0)) {
+        points.push_back({surface, part.ray.direction, &closures, part.throughput, stream * length() + lit,
+                          pixel, lit, evaluated});
+        ++lit;
+      }
+      end.background += part.throughput * closures.emission;
+      if (part.from_camera()) end.alpha -= average(part.throughput) * closures.holdout;
 
-    throughput = throughput * material.mirror;
-    if (bounce == depth_ || max_component(throughput) == 0) return end;
-    ray = {surface.position + surface.geometric_normal * surface.rounding,
-           normalize(reflect(ray.direction, surface.normal)), 0, 1e30};
-    geometry_.intersect(&ray, 1, &hit);
-    ++mirror_rays;
-    if (!hit.found()) {
-      end.background = throughput * background.radiance(ray.direction);
-      return end;
+      const Vec3d reflected = part.throughput * closures.mirror,
+                  passing = part.throughput * closures.transparency;
+      if (part.mirrors < mirror_depth_ && max_component(reflected) > 0) {
+        mirrored = part;
+        mirrored.ray = {surface.position + surface.geometric_normal * surface.rounding,
+                        normalize(reflect(part.ray.direction, surface.normal)), 0, 1e30};
+        mirrored.throughput = reflected;
+        mirrored.footprint = footprint;
+        mirrored.t = 0;
+        ++mirrored.mirrors;
+        waiting.push_back(mirrored);
+      }
+      if (max_component(passing) > kNegligible && part.passed < kMaxPassed) {
+        part.ray.origin = surface.position - surface.geometric_normal * surface.rounding;
+        part.ray.t_near = 0;
+        part.ray.t_far -= t;
+        part.throughput = passing;
+        part.footprint = footprint;
+        part.t += t;
+        ++part.passed;
+        goes_on = true;
+      }
     }
+    if (!goes_on) {
+      if (waiting.empty()) return end;
+      part = waiting.back();
+      waiting.pop_back();
+    }
+    geometry_.intersect(&part.ray, 1, &part.hit);
+    ++mirror_rays;
   }
 }
 

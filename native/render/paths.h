@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The path of a primary ray: the surface points that a pixel sees, directly and in mirrors.
+// The path of a primary ray: the surface points that a pixel sees, directly, in mirrors and through surfaces.
 #pragma once
 
 #include <vector>
 
 #include "lighting/lighting.h"
+#include "material/evaluate.h"
 #include "render/settings.h"
-#include "scene/scene.h"
 
 namespace penumbra {
 
 struct PathEnd {
-  Vec3d background;                     // what is seen where the path leaves the scene
+  Vec3d background;                     // light that is there without luminaires: the world's, emission
   double alpha = 0;                     // 0 where the primary ray meets nothing and the film is transparent
   bool hit = false;                     // the primary ray met something,
   SurfacePoint first;                   // here
@@ -20,11 +20,11 @@ struct PathEnd {
 
 class PathTracer {
  public:
-  PathTracer(const Scene& scene, const Geometry& geometry, const RenderSettings& settings)
-      : scene_(scene), geometry_(geometry), depth_(scene.has_mirrors() ? settings.mirror_depth : 0) {}
+  PathTracer(const Scene& scene, const Geometry& geometry, const Materials& materials,
+             const RenderSettings& settings);
 
   /// Most surface points on a path.
-  uint32_t length() const { return depth_ + 1; }
+  uint32_t length() const { return length_; }
 
   /// Appends the path's surface points. stream: number of the path among the frame's; pixel: in the block.
   /// mirror_rays is increased by the rays traced.
@@ -32,9 +32,14 @@ class PathTracer {
                  uint64_t& mirror_rays) const;
 
  private:
+  struct Part;
+  void leave(const Part& part, PathEnd& end) const;
+
   const Scene& scene_;
   const Geometry& geometry_;
-  uint32_t depth_;
+  const Materials& materials_;
+  uint32_t mirror_depth_, length_;
+  double pixel_;  // width in the camera's window
 };
 
 }  // namespace penumbra

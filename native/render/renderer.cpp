@@ -63,16 +63,17 @@ std::unique_ptr<Lighting> make_lighting(const Geometry& geometry, const std::vec
 }  // namespace
 
 Renderer::Renderer(std::shared_ptr<const Scene> scene, std::shared_ptr<const Geometry> geometry,
-                   const RenderSettings& settings)
+                   std::shared_ptr<const Materials> materials, const RenderSettings& settings)
     : scene_(std::move(scene)),
       geometry_(std::move(geometry)),
+      materials_(std::move(materials)),
       settings_(affordable(settings)),
       film_(settings_.region, settings_.passes),
       light_sampler_(make_sampler(settings_.sampler_settings())),
       pixel_sampler_(make_sampler(pixel_sampler_settings(settings_))),
       filter_(settings_.filter_type, settings_.filter_width),
       camera_(scene_->camera(), geometry_->normalization(), settings_.width, settings_.height),
-      paths_(*scene_, *geometry_, settings_),
+      paths_(*scene_, *geometry_, *materials_, settings_),
       pixel_light_sampler_(settings_.filtered() ? settings_.max_pixel_samples : 0, settings_.seed),
       luminaires_(emitting_luminaires(*scene_, geometry_->normalization())),
       lighting_(make_lighting(*geometry_, luminaires_, *light_sampler_, settings_)) {

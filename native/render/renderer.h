@@ -30,7 +30,7 @@ class Renderer {
   /// render's checkpoint; std::bad_alloc where memory_limit is too small for the film. The scene must not be
   /// changed before the render ends.
   Renderer(std::shared_ptr<const Scene> scene, std::shared_ptr<const Geometry> geometry,
-           const RenderSettings& settings);
+           std::shared_ptr<const Materials> materials, const RenderSettings& settings);
   ~Renderer();
 
   /// Starts the threads; does nothing the second time.
@@ -73,6 +73,7 @@ class Renderer {
 
   std::shared_ptr<const Scene> scene_;
   std::shared_ptr<const Geometry> geometry_;
+  std::shared_ptr<const Materials> materials_;
   RenderSettings settings_;
   Film film_;
   std::unique_ptr<Sampler> light_sampler_, pixel_sampler_;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lighting/lobe_colours.h"
 #include "sampling/hash.h"
 
 namespace penumbra {
@@ -21,7 +22,7 @@ SamplePacket::SamplePacket(const RenderContext& context, const FilteredFrame& fr
       display_scale_(std::exp2(context.settings.exposure)),
       tolerance_(context.settings.error_tolerance),
       luminaires_(uint32_t(context.luminaires.size())),
-      lobes_(frame.phong ? 2 : 1),
+      lobes_(frame.glossy ? 2 : 1),
       queue_(context.geometry) {
   // The queue points into it.
   visible_.reserve(size_t(kPacket) * context.paths.length() * luminaires_);
@@ -125,12 +126,13 @@ void SamplePacket::light(std::span<const SampleRun> runs, uint32_t l, uint32_t b
       ++tally_.light.decided_without_ray;
       continue;
     }
-    const bool has_phong = frame_.phong && max_abs(lit.material->phong) > 0;
+    const ShadingPoint shading(lit.surface, *lit.material, lit.ray_direction);
     const Vec3d arriving = lit.throughput * luminaire.radiance();
-    const Vec3d diffuse = arriving * lit.material->diffuse * form_factors[i];
+    const DiffuseColour colour = diffuse_colour(shading, luminaire);
+    const Vec3d diffuse = arriving * colour.mean * form_factors[i];
     const double size = max_abs(diffuse) * display_scale_;
     // Too dim for a ray: half of it is added, and half of it is the error at most.
-    if (luminaires_ > 1 && !has_phong && charge[lane] + size / 2 <= kDropShare * tolerance_) {
+    if (luminaires_ > 1 && !shading.has_glossy && charge[lane] + size / 2 <= kDropShare * tolerance_) {
       charge[lane] += size / 2;
       ++tally_.light.decided_without_ray;
       ends[lane].background += diffuse * 0.5;
@@ -138,18 +140,24 @@ void SamplePacket::light(std::span<const SampleRun> runs, uint32_t l, uint32_t b
     }
     const uint32_t s = (lit.bounce * luminaires_ + l) * lobes_;
     const Slot* slot = &frame_.of_pixel(lanes_[lane].pixel)[s];
-    const bool wanted = wants_ray(lanes_[lane], *slot, l) || (frame_.phong && slot[1].uncertain);
+    const bool wanted = wants_ray(lanes_[lane], *slot, l) || (frame_.glossy && slot[1].uncertain);
     const Vec3f to_light(on_light.x[i], on_light.y[i], on_light.z[i]);
     const float sampled = on_light.form_factor[i];
     const int64_t ray = wanted && sampled > 0 ? add_ray(lit, luminaire, to_light) : kNoRay;
-    if (size > 0) contributions_.push_back({lane, s, diffuse, size * double(sampled) / form_factors[i], ray});
-    if (!has_phong) continue;
+    if (size > 0) {
+      float weight = sampled;
+      weigh_diffuse(shading, &to_light.x, &to_light.y, &to_light.z, 1, &weight);
+      const double mean = form_factors[i] * colour.weight;
+      contributions_.push_back({lane, s, diffuse, size * double(weight) / mean, ray});
+    }
+    if (!shading.has_glossy) continue;
     // No closed form: the sampled value itself stands for the unshadowed one.
-    float lobe;
-    evaluate_phong(ShadingPoint(lit.surface, *lit.material, lit.ray_direction), &to_light.x, &to_light.y,
-                   &to_light.z, &sampled, 1, &lobe);
-    const Vec3d specular = arriving * lit.material->phong * double(lobe);
-    if (lobe > 0) contributions_.push_back({lane, s + 1, specular, max_abs(specular) * display_scale_, ray});
+    Reflection lobe;
+    add_reflection(shading, &to_light.x, &to_light.y, &to_light.z, &sampled, 1, lobe);
+    const Vec3d specular = lit.material->has_glossy_lobes ? arriving * lobe.glossy
+                                                          : arriving * lit.material->phong * lobe.weight;
+    if (lobe.weight > 0)
+      contributions_.push_back({lane, s + 1, specular, max_abs(specular) * display_scale_, ray});
   }
 }
 

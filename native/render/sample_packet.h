@@ -29,7 +29,7 @@ inline constexpr int64_t kNoRay = -1;
 struct FilteredFrame {
   Rectangle area;  // of the block with its halo, full-frame pixels
   uint32_t block_width;
-  bool phong;  // some material has the lobe: two slots for each luminaire and bounce
+  bool glossy;  // some material has such a lobe: two slots for each luminaire and bounce
   uint32_t slot_count;
   std::vector<Slot> slots;    // by pixel
   std::vector<uint8_t> edge;  // by pixel: needs samples all over the filter

@@ -35,6 +35,15 @@ uint64_t hash_array(uint64_t h, const std::vector<T>& values) {
   return hash_bytes(h, values.data(), values.size() * sizeof(T));
 }
 
+/// Which operation a step is does not enter: functions have no numbers that would last.
+uint64_t hash_of_program(uint64_t h, const Program& program) {
+  h = hash_array(hash_array(h, program.registers), program.tables);
+  for (const Operation& operation : program.operations)
+    h = hash_of(hash_bytes(h, operation.in.data(), sizeof(operation.in)), uint64_t(operation.data));
+  for (const ClosureStep& step : program.closures) h = hash_of(h, uint64_t(step.kind) << 16 | step.colour);
+  return h;
+}
+
 }  // namespace
 
 void Scene::check_not_frozen(const std::string& name) const {
@@ -48,6 +57,11 @@ uint32_t Scene::add_mesh(Mesh mesh) {
     refuse(mesh.name, "corner normals do not match the number of triangles");
   if (!mesh.material_slots.empty() && mesh.material_slots.size() != mesh.triangles.size())
     refuse(mesh.name, "material slots do not match the number of triangles");
+  for (const Attribute& attribute : mesh.attributes) {
+    if (attribute.corners.size() != 3 * mesh.triangles.size())
+      refuse(mesh.name, "an attribute does not match the number of triangles");
+    hash_ = hash_array(hash_, attribute.corners);
+  }
   hash_ = hash_array(hash_array(hash_, mesh.positions), mesh.triangles);
   hash_ = hash_array(hash_array(hash_, mesh.corner_normals), mesh.material_slots);
   meshes_.push_back(std::move(mesh));
@@ -64,13 +78,28 @@ uint32_t Scene::add_material(Material material) {
     refuse(name, "diffuse, Phong and mirror albedo add up to more than 1");
   if (!(material.phong_exponent >= 0 && std::isfinite(material.phong_exponent)))
     refuse(name, "the Phong exponent must be finite and not negative");
-  has_mirrors_ = has_mirrors_ || max_component(material.mirror) > 0;
+  return add_shader(std::move(material));
+}
+
+uint32_t Scene::add_shader(Material material) {
+  has_mirrors_ = has_mirrors_ || material.may_mirror();
+  has_transparency_ = has_transparency_ || material.may_be_transparent();
   hash_ = hash_bytes(hash_, &material.diffuse, sizeof(Vec3d));
   hash_ = hash_bytes(hash_, &material.phong, sizeof(Vec3d));
   hash_ = hash_bytes(hash_, &material.mirror, sizeof(Vec3d));
   hash_ = hash_bytes(hash_, &material.phong_exponent, sizeof(double));
+  if (material.program) hash_ = hash_of_program(hash_, *material.program);
   materials_.push_back(std::move(material));
   return uint32_t(materials_.size() - 1);
+}
+
+uint32_t Scene::add_image(Image image) {
+  check_not_frozen(image.name);
+  for (const ImageFile& file : image.files)
+    hash_ = hash_bytes(hash_bytes(hash_, file.path.data(), file.path.size()),
+                       file.bytes ? file.bytes->data() : nullptr, file.bytes ? file.bytes->size() : 0);
+  images_.push_back(std::move(image));
+  return uint32_t(images_.size() - 1);
 }
 
 void Scene::add_instance(Instance instance) {

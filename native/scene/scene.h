@@ -10,8 +10,12 @@
 #include <vector>
 
 #include "math/transform.h"
+#include "scene/attributes.h"
+#include "scene/closures.h"
 #include "scene/environment.h"
+#include "scene/image.h"
 #include "scene/luminaires.h"
+#include "scene/program.h"
 
 namespace penumbra {
 
@@ -22,6 +26,7 @@ struct Mesh {
   std::vector<std::array<uint32_t, 3>> triangles;
   std::vector<Vec3f> corner_normals;     // three a triangle, or none: flat
   std::vector<uint32_t> material_slots;  // one a triangle, or none: slot 0
+  std::vector<Attribute> attributes;
 };
 
 struct Instance {
@@ -31,11 +36,18 @@ struct Instance {
   std::vector<uint32_t> materials;  // by slot; slots beyond the end use the last one
 };
 
-/// The paper's BRDF: mirror + Phong + ideal diffuse, each with its albedo (scene linear).
-struct Material {
+/// Closures of a constant material (the paper's BRDF and more, colours scene linear); those of one that
+/// varies over the surface come from its program.
+struct Material : Closures {
   std::string name;
-  Vec3d diffuse, phong, mirror;
-  double phong_exponent = 0;
+  std::shared_ptr<const Program> program;         // null: constant
+  std::shared_ptr<const Program> shadow_program;  // of it what transparency takes, for shadow rays
+
+  bool may_be_glossy() const { return program ? program->may_be_glossy() : has_glossy(); }
+  bool may_mirror() const { return program ? program->may_mirror() : max_component(mirror) > 0; }
+  bool may_be_transparent() const {
+    return program ? program->has(ClosureKind::kTransparent) : max_component(transparency) > 0;
+  }
 };
 
 enum class CameraKind { kPerspective, kOrthographic };
@@ -65,7 +77,11 @@ struct Background {
 class Scene {
  public:
   uint32_t add_mesh(Mesh mesh);
+  /// The paper's BRDF.
   uint32_t add_material(Material material);
+  /// A material that follows Cycles' rules instead: nothing about it is refused.
+  uint32_t add_shader(Material material);
+  uint32_t add_image(Image image);
   void add_instance(Instance instance);
   void add_luminaire(AreaLuminaire luminaire);
   void add_luminaire(PointLuminaire luminaire);
@@ -82,10 +98,12 @@ class Scene {
   uint64_t hash() const { return hash_; }
 
   const std::vector<Material>& materials() const { return materials_; }
+  const std::vector<Image>& images() const { return images_; }
   const std::vector<LuminaireDescription>& luminaires() const { return luminaires_; }
   const Camera& camera() const;
   const Background& background() const { return background_; }
   bool has_mirrors() const { return has_mirrors_; }
+  bool has_transparency() const { return has_transparency_; }
 
  private:
   void check_not_frozen(const std::string& name) const;
@@ -93,10 +111,11 @@ class Scene {
   std::vector<Mesh> meshes_;
   std::vector<Instance> instances_;
   std::vector<Material> materials_;
+  std::vector<Image> images_;
   std::vector<LuminaireDescription> luminaires_;
   Camera camera_;
   Background background_;
-  bool has_camera_ = false, has_mirrors_ = false, frozen_ = false;
+  bool has_camera_ = false, has_mirrors_ = false, has_transparency_ = false, frozen_ = false;
   uint64_t hash_ = 0;
 };
 

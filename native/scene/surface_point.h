@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "math/vector.h"
+#include "scene/attributes.h"
 
 namespace penumbra {
 
@@ -15,6 +15,7 @@ struct SurfacePoint {
   double t;                        // along the ray that found it
   double rounding;                 // how far from the surface a ray must start in order not to meet it again
   uint32_t material;
+  SurfacePlace place = {};
 };
 
 }  // namespace penumbra

@@ -46,9 +46,18 @@ inline void intersect16(const int* valid, RTCScene scene, RTCRayHit16& rays, boo
   rtcIntersect16(valid, scene, &rays, &arguments);
 }
 
-inline void occluded16(const int* valid, RTCScene scene, RTCRay16& rays) {
+/// The context of shadow rays, with what transparent surfaces leave of each ray's light: by the rays' `id`.
+struct ShadowContext : RTCRayQueryContext {
+  float* transmittance;
+};
+
+inline void occluded16(const int* valid, RTCScene scene, RTCRay16& rays, float* transmittance) {
+  ShadowContext context;
+  rtcInitRayQueryContext(&context);
+  context.transmittance = transmittance;
   RTCOccludedArguments arguments;
   rtcInitOccludedArguments(&arguments);
+  arguments.context = &context;
   arguments.flags = RTC_RAY_QUERY_FLAG_INCOHERENT;
   rtcOccluded16(valid, scene, &rays, &arguments);
 }
@@ -66,9 +75,15 @@ inline void intersect16(const int* valid, RTCScene scene, RTCRayHit16& rays, boo
   rtcIntersect16(valid, scene, &context, &rays);
 }
 
-inline void occluded16(const int* valid, RTCScene scene, RTCRay16& rays) {
-  RTCIntersectContext context;
+/// The context of shadow rays, with what transparent surfaces leave of each ray's light: by the rays' `id`.
+struct ShadowContext : RTCIntersectContext {
+  float* transmittance;
+};
+
+inline void occluded16(const int* valid, RTCScene scene, RTCRay16& rays, float* transmittance) {
+  ShadowContext context;
   rtcInitIntersectContext(&context);
+  context.transmittance = transmittance;
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
   rtcOccluded16(valid, scene, &context, &rays);
 }

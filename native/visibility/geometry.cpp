@@ -126,7 +126,17 @@ SurfacePoint Geometry::surface_point(const Ray& ray, const Hit& hit) const {
     const Vec3d smooth = instance.shared ? placed(interpolated) : normalize(interpolated);
     if (is_finite(smooth) && dot(smooth, smooth) > 0) s.normal = smooth;
   }
-  if (dot(s.geometric_normal, ray.direction) > 0) {
+  s.place = {&mesh.attributes,
+             &normalization_,
+             &instance.render_from_object,
+             &render_from_mesh,
+             edge1,
+             edge2,
+             hit.triangle,
+             h.u,
+             h.v,
+             dot(s.geometric_normal, ray.direction) > 0};
+  if (s.place.backfacing) {
     s.geometric_normal = -s.geometric_normal;
     s.normal = -s.normal;
   }

@@ -7,6 +7,7 @@
 
 #include "scene/memory_limit.h"
 #include "scene/normalization.h"
+#include "scene/opacity.h"
 #include "scene/scene.h"
 #include "scene/surface_point.h"
 #include "visibility/embree.h"
@@ -32,14 +33,16 @@ class Geometry {
  public:
   /// Builds the BVH. Throws std::runtime_error or std::bad_alloc where Embree fails, MemoryLimitReached where
   /// it wants more bytes than the limit (0: none), and std::invalid_argument for a scene beyond double
-  /// precision.
-  Geometry(std::vector<Mesh> meshes, std::vector<Instance> instances, uint64_t memory_limit = 0);
+  /// precision. opacity: where given, shadow rays pass surfaces of materials that may be transparent.
+  Geometry(std::vector<Mesh> meshes, std::vector<Instance> instances, uint64_t memory_limit = 0,
+           std::shared_ptr<const Opacity> opacity = nullptr);
 
   const Normalization& normalization() const { return normalization_; }
   RTCScene embree_scene() const { return scene_.get(); }
   /// Some mesh is used by more than one instance; Embree's coherent 16-wide traversal must then be avoided
   /// (Debian 12's Embree 3.13.5 hangs in it).
   bool has_shared_meshes() const { return has_shared_meshes_; }
+  bool has_transparency() const { return opacity_ != nullptr; }
 
   /// First hits of up to 16 rays; bit i of `active` says whether ray i counts.
   void intersect(const Ray* rays, uint32_t active, Hit* hits) const;
@@ -62,7 +65,9 @@ class Geometry {
     std::vector<std::array<uint32_t, 3>> triangles;
     std::vector<Vec3f> corner_normals;
     std::vector<uint32_t> material_slots;
+    std::vector<Attribute> attributes;
     embree::SceneHandle scene;  // only where shared
+    bool may_be_transparent = false;
   };
   struct PlacedInstance {
     std::string name;
@@ -78,7 +83,10 @@ class Geometry {
   void check_build(const std::string& what) const;
   RTCGeometry make_instance(PlacedInstance& placed, const PlacedMesh& mesh, const Box& box) const;
   RTCGeometry make_triangles(const PlacedMesh& mesh) const;
+  double transparency(const Ray& ray, const Hit& hit) const;
+  static void filter_shadow_rays(const RTCFilterFunctionNArguments* arguments);
 
+  std::shared_ptr<const Opacity> opacity_;
   Normalization normalization_;
   Box bounds_;          // render space
   MemoryCount memory_;  // outlives the device, which reports to it

@@ -70,13 +70,19 @@ struct LeftOut {
 
 }  // namespace
 
-Geometry::Geometry(std::vector<Mesh> meshes, std::vector<Instance> instances, uint64_t memory_limit)
-    : memory_(memory_limit), device_(embree::make_device()) {
+Geometry::Geometry(std::vector<Mesh> meshes, std::vector<Instance> instances, uint64_t memory_limit,
+                   std::shared_ptr<const Opacity> opacity)
+    : opacity_(std::move(opacity)), memory_(memory_limit), device_(embree::make_device()) {
   embree::count_memory(device_.get(), memory_);
   clean(meshes, instances);
   std::vector<uint32_t> users(meshes.size(), 0);
   std::vector<Box> mesh_boxes(meshes.size());
   for (const Instance& instance : instances) ++users[instance.mesh];
+  meshes_.resize(meshes.size());
+  if (opacity_)
+    for (const Instance& instance : instances)
+      for (const uint32_t material : instance.materials)
+        if (opacity_->may_be_transparent(material)) meshes_[instance.mesh].may_be_transparent = true;
   Box world;
   for (size_t i = 0; i < meshes.size(); ++i) mesh_boxes[i] = bounds_of(meshes[i].positions);
   for (const Instance& instance : instances)
@@ -87,13 +93,13 @@ Geometry::Geometry(std::vector<Mesh> meshes, std::vector<Instance> instances, ui
 
   scene_.reset(rtcNewScene(device_.get()));
   rtcSetSceneFlags(scene_.get(), RTC_SCENE_FLAG_ROBUST);
-  meshes_.resize(meshes.size());
   for (size_t i = 0; i < meshes.size(); ++i) {
     if (users[i] == 0) continue;
     PlacedMesh& placed = meshes_[i];
     placed.triangles = std::move(meshes[i].triangles);
     placed.corner_normals = std::move(meshes[i].corner_normals);
     placed.material_slots = std::move(meshes[i].material_slots);
+    placed.attributes = std::move(meshes[i].attributes);
     if (users[i] < 2) continue;  // placed with its one instance below
     const double scale = unit_scale(mesh_boxes[i]);
     const Vec3d centre = mesh_boxes[i].empty() ? Vec3d{} : mesh_boxes[i].centre();
@@ -193,6 +199,10 @@ RTCGeometry Geometry::make_triangles(const PlacedMesh& mesh) const {
                              sizeof(Vec3f), mesh.positions.size() - 1);
   rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.triangles.data(), 0,
                              3 * sizeof(uint32_t), mesh.triangles.size());
+  if (mesh.may_be_transparent) {
+    rtcSetGeometryUserData(geometry, const_cast<Geometry*>(this));  // read only
+    rtcSetGeometryOccludedFilterFunction(geometry, filter_shadow_rays);
+  }
   rtcCommitGeometry(geometry);
   return geometry;
 }

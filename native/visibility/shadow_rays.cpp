@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "visibility/shadow_rays.h"
 
+#include <bit>
+
 #include "math/simd.h"
+#include "sampling/hash.h"
 
 namespace penumbra {
 namespace {
@@ -46,6 +49,23 @@ void clear_hidden(const float* tfar, float* contribution) {
   for (uint32_t i = 0; i < kPacket; ++i) contribution[i] = tfar[i] < 0 ? 0.0f : contribution[i];
 }
 
+/// All light is left as yet.
+void prepare(RTCRay16& packet, float* transmittance) {
+  for (uint32_t i = 0; i < kPacket; ++i) {
+    packet.id[i] = i;
+    transmittance[i] = 1;
+  }
+}
+
+/// 0 ... 1, by the ray alone: the same in every packet.
+float draw(const RTCRay16& packet, uint32_t i) {
+  const auto bits = [](float x) { return uint64_t(std::bit_cast<uint32_t>(x)); };
+  return float(hash_of(bits(packet.org_x[i]), bits(packet.org_y[i]), bits(packet.org_z[i]),
+                       bits(packet.dir_x[i]), bits(packet.dir_y[i]), bits(packet.dir_z[i])) >>
+               40) *
+         0x1p-24f;
+}
+
 ShadowSide side(const SurfacePoint& surface, double sign) {
   const Vec3f origin(surface.position + surface.geometric_normal * (sign * surface.rounding));
   return {origin, Vec3f(surface.position - Vec3d(origin))};
@@ -63,8 +83,12 @@ uint32_t ShadowRays::hide(const float* x, const float* y, const float* z, float*
   alignas(64) RTCRay16 packet;
   const uint32_t count = fill(origin_, x, y, z, contribution, packet, traced);
   if (count == 0 || !usable_) return 0;
-  embree::occluded16(traced, geometry_.embree_scene(), packet);
+  alignas(64) float transmittance[kPacket];
+  if (geometry_.has_transparency()) prepare(packet, transmittance);
+  embree::occluded16(traced, geometry_.embree_scene(), packet, transmittance);
   clear_hidden(packet.tfar, contribution);
+  if (geometry_.has_transparency())
+    for (uint32_t i = 0; i < kPacket; ++i) contribution[i] *= transmittance[i];
   return count;
 }
 
@@ -86,9 +110,11 @@ void ShadowQueue::add(const SurfacePoint& surface, const Vec3f& to_light, uint8_
 
 void ShadowQueue::flush() {
   if (!count_) return;
-  embree::occluded16(valid_, geometry_.embree_scene(), packet_);
+  alignas(64) float transmittance[kPacket];
+  prepare(packet_, transmittance);
+  embree::occluded16(valid_, geometry_.embree_scene(), packet_, transmittance);
   for (uint32_t i = 0; i < count_; ++i) {
-    *results_[i] = packet_.tfar[i] >= 0;
+    *results_[i] = packet_.tfar[i] >= 0 && (transmittance[i] == 1 || draw(packet_, i) < transmittance[i]);
     valid_[i] = 0;
   }
   traced_ += count_;

@@ -25,8 +25,9 @@ class ShadowRays {
   ShadowRays(const Geometry& geometry, const SurfacePoint& surface);
 
   /// Traces rays to those of kPacket points whose contribution is positive, and sets the contribution of each
-  /// that something hides to zero. x, y, z: from the shading point to each, finite where the contribution is
-  /// positive. traced[i]: -1 where a ray was traced, else 0. Returns the number of rays.
+  /// that something hides to zero; transparent surfaces leave a part of it. x, y, z: from the shading point
+  /// to each, finite where the contribution is positive. traced[i]: -1 where a ray was traced, else 0.
+  /// Returns the number of rays.
   uint32_t hide(const float* x, const float* y, const float* z, float* contribution, int* traced) const;
 
  private:
@@ -41,7 +42,8 @@ class ShadowQueue {
   explicit ShadowQueue(const Geometry& geometry) : geometry_(geometry) {}
 
   /// A ray from a surface point along `to_light`, which ends on the luminaire. `visible` is set to 1 or 0 at
-  /// the latest by flush(), and must live until then.
+  /// the latest by flush(), and must live until then. Behind transparent surfaces it is 1 with the share of
+  /// the light that they leave as probability, drawn by the ray alone.
   void add(const SurfacePoint& surface, const Vec3f& to_light, uint8_t& visible);
   void flush();
 

@@ -27,16 +27,20 @@ class Recording:
         recording = self
 
         class Scene(self._module.Scene):
-            def add_mesh(self, name, positions, triangles, corner_normals=None, material_slots=None):
+            def add_mesh(self, name, positions, triangles, corner_normals=None, material_slots=None, attributes=None):
                 recording.meshes.append(
                     SimpleNamespace(name=name, positions=positions, triangles=triangles, corner_normals=corner_normals,
-                                    material_slots=material_slots)
+                                    material_slots=material_slots, attributes=attributes or {})
                 )  # fmt: skip
-                return super().add_mesh(name, positions, triangles, corner_normals, material_slots)
+                return super().add_mesh(name, positions, triangles, corner_normals, material_slots, attributes or {})
 
             def add_material(self, name, diffuse, **lobes):
                 recording.materials.append(SimpleNamespace(name=name, diffuse=diffuse, **lobes))
                 return super().add_material(name, diffuse=diffuse, **lobes)
+
+            def add_program(self, name, **program):
+                recording.materials.append(SimpleNamespace(name=name, **program))
+                return super().add_program(name, **program)
 
             def add_instance(self, name, mesh, matrix, materials):
                 recording.instances.append(SimpleNamespace(name=name, mesh=mesh, matrix=matrix, materials=materials))

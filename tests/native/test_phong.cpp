@@ -6,7 +6,7 @@
 
 #include <vector>
 
-#include "material/phong.h"
+#include "material/shading_point.h"
 #include "oracles.h"
 
 namespace penumbra {
@@ -19,18 +19,18 @@ SurfacePoint surface_with(const Vec3d& normal) {
   return {{}, normal, normal, 0, 0, 0};
 }
 
-Material phong_of(double exponent) {
-  Material m;
+Closures phong_of(double exponent) {
+  Closures m;
   m.phong = {0.5, 0.5, 0.5};
   m.phong_exponent = exponent;
   return m;
 }
 
-/// BRDF x pi / albedo for one pair of directions: evaluate_phong with a form factor of 1.
-double lobe(const SurfacePoint& surface, const Material& material, const Vec3d& ray, const Vec3d& to_light) {
+/// BRDF x pi / albedo for one pair of directions: evaluate_glossy with a form factor of 1.
+double lobe(const SurfacePoint& surface, const Closures& material, const Vec3d& ray, const Vec3d& to_light) {
   const float x = float(to_light.x), y = float(to_light.y), z = float(to_light.z), one = 1;
   float out = -1;
-  evaluate_phong(ShadingPoint(surface, material, ray), &x, &y, &z, &one, 1, &out);
+  evaluate_glossy(ShadingPoint(surface, material, ray), &x, &y, &z, &one, 1, &out);
   return out;
 }
 
@@ -39,7 +39,7 @@ double lobe(const SurfacePoint& surface, const Material& material, const Vec3d& 
 double reflectance(double exponent, double theta) {
   constexpr int kSteps = 1000;
   const SurfacePoint surface = surface_with({0, 0, 1});
-  const Material material = phong_of(exponent);
+  const Closures material = phong_of(exponent);
   const ShadingPoint point(surface, material, {-std::sin(theta), 0, -std::cos(theta)});
   std::vector<float> x(kSteps), y(kSteps), z(kSteps), form_factor(kSteps), out(kSteps);
   double sum = 0;
@@ -53,7 +53,7 @@ double reflectance(double exponent, double theta) {
       z[k] = float(3 * cosine);
       form_factor[k] = float(cosine * patch / kPi);
     }
-    evaluate_phong(point, x.data(), y.data(), z.data(), form_factor.data(), kSteps, out.data());
+    evaluate_glossy(point, x.data(), y.data(), z.data(), form_factor.data(), kSteps, out.data());
     for (float v : out) sum += double(v);
   }
   return sum;
@@ -106,18 +106,18 @@ TEST(Phong, IsReciprocal) {
 TEST(Phong, ReflectsAtTheInterpolatedNormal) {
   // The facet lies flat, its smooth normal leans by 0.2 rad: a ray from above leaves at 0.4.
   const SurfacePoint surface{{}, {0, 0, 1}, {std::sin(0.2), 0, std::cos(0.2)}, 0, 0, 0};
-  const Material material = phong_of(10);
+  const Closures material = phong_of(10);
   const Vec3d mirror = ShadingPoint(surface, material, {0, 0, -3}).mirror_direction;
   EXPECT_LE(max_abs(mirror - Vec3d{std::sin(0.4), 0, std::cos(0.4)}), 1e-15);
 }
 
 TEST(Phong, IsZeroWhereTheFormFactorIsAndBehindTheLobe) {
   const SurfacePoint surface = surface_with({0, 0, 1});
-  const Material material = phong_of(10);
+  const Closures material = phong_of(10);
   const ShadingPoint point(surface, material, {-1, 0, -1e-3});
   const float x[2] = {1, -1}, y[2] = {0, 0}, z[2] = {0.5f, 0.1f}, form_factor[2] = {1, 0};
   float out[2] = {-1, -1};
-  evaluate_phong(point, x, y, z, form_factor, 2, out);
+  evaluate_glossy(point, x, y, z, form_factor, 2, out);
   EXPECT_EQ(out[0], 0.0f);  // away from the mirror direction (-1, 0, 1e-3)
   EXPECT_EQ(out[1], 0.0f);  // in it, but without a form factor
 }

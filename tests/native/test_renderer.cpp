@@ -46,7 +46,10 @@ class Renders : public ::testing::TestWithParam<bool> {
     if (GetParam()) settings_.pixel_samples = 2;  // antialiased
   }
 
-  std::unique_ptr<Renderer> make() const { return std::make_unique<Renderer>(scene_, geometry_, settings_); }
+  std::unique_ptr<Renderer> make() const {
+    return std::make_unique<Renderer>(scene_, geometry_, std::make_shared<const Materials>(scene_),
+                                      settings_);
+  }
 
   /// Combined of a whole render.
   std::vector<float> picture() const {

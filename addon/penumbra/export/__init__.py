@@ -31,7 +31,8 @@ def export_scene(pn, depsgraph, camera_object, notes: Notes, is_cancelled: Calla
     at fault; ExportCancelled as soon as `is_cancelled()` is seen.
     """
     scene = pn.Scene()
-    materials = Materials(scene, notes, depsgraph.view_layer_eval.material_override)
+    materials = Materials(pn, scene, notes, depsgraph.view_layer_eval.material_override,
+                          depsgraph.scene_eval.frame_current)  # fmt: skip
     meshes = Meshes(scene, materials, notes)
     luminaires = Luminaires(scene, notes)
     mesh_lights = MeshLights(scene, notes, depsgraph.view_layer_eval.material_override)

@@ -1,70 +1,106 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Materials: each becomes the paper's BRDF (see brdf.py), and one note per material says what was left out.
+"""Materials: the paper's BRDF where a material is no more than that (see brdf.py), else a program (see shader/).
 
-As in Cycles, a material whose surface is not linked is black, an empty slot grey.
+One note per material says what was left out. As in Cycles, a material whose surface is not linked is black, an empty
+slot grey.
 """
+
+from typing import NamedTuple
 
 import numpy as np
 
 from .. import compat
 from ..notes import Notes
-from .brdf import GREY, Brdf, Lobe, combine, lobes_of
+from .brdf import GREY, Brdf, Lobe, NotThePapers, combine, lobes_of
 from .errors import ExportError
-from .nodes import follow
+from .shader import AttributeNames, Compiler, Images, Shaders
+
+NOT_REFLECTING = ("phong", "emission", "transparent", "holdout")
 
 
-def surface_lobes(material, issues: list[str]) -> list[Lobe]:
-    """The lobes of a material's surface, not yet checked; what was left out is added to `issues`."""
+class Exported(NamedTuple):
+    """A material in the native scene."""
+
+    number: int
+    attributes: frozenset[int] = frozenset()
+    """Numbers of the attributes that it reads from meshes."""
+
+
+def output_node(tree):
+    return tree.get_output_node("CYCLES") or tree.get_output_node("EEVEE")
+
+
+def paper_lobes(material) -> list[Lobe]:
+    """The lobes of a material that is no more than the paper's BRDF, not yet checked; else NotThePapers is raised."""
     tree = compat.node_tree(material)
     if tree is None:
         return [Lobe("diffuse", np.array(material.diffuse_color)[:3], 0.0, material.name)]
-    output = tree.get_output_node("CYCLES") or tree.get_output_node("EEVEE")
-    surface = follow(output.inputs["Surface"]) if output else None
-    if surface is None:
-        issues.append("no shader is linked to its surface; rendered black")
-        return []
-    lobes = lobes_of(surface, 1.0, issues)
-    if output.inputs["Displacement"].is_linked:
-        issues.append("Displacement not supported yet and ignored")
-    return lobes
+    output = output_node(tree)
+    return lobes_of(output.inputs["Surface"], 1.0) if output else []
+
+
+def check_finite(material, lobes: list[Lobe]) -> None:
+    for lobe in lobes:
+        if not np.isfinite(lobe.albedo).all():
+            raise ExportError(f"material {material.name!r}: its colour is not a finite number")
+        if not np.isfinite(lobe.exponent):
+            raise ExportError(f"material {material.name!r}: its roughness is not a finite number")
 
 
 class Materials:
     """The native scene's materials: each of Blender's is exported once; a view layer's `override` replaces them all."""
 
-    def __init__(self, native_scene, notes: Notes, override=None) -> None:
-        self._scene, self._notes, self._override = native_scene, notes, override
-        self._ids: dict[int, int] = {}
-        self._default: int | None = None
+    def __init__(self, native_module, native_scene, notes: Notes, override=None, frame: int = 1) -> None:
+        self._module, self._scene, self._notes, self._override = native_module, native_scene, notes, override
+        self._exported: dict[int, Exported] = {}
+        self._default: Exported | None = None
+        self._operations = frozenset(native_module.operations())
+        self._images = Images(native_module, native_scene, frame)
+        self.attributes = AttributeNames()
 
-    def of_slots(self, evaluated_object) -> list[int]:
-        """Native ids of an object's material slots, linked to the object or to its data; at least one."""
+    def of_slots(self, evaluated_object) -> list[Exported]:
+        """An object's material slots, linked to the object or to its data; at least one."""
         if self._override is not None:
-            return [self._id(self._override)]
-        return [self._id(slot.material) for slot in evaluated_object.material_slots] or [self._id(None)]
+            return [self._of(self._override)]
+        return [self._of(slot.material) for slot in evaluated_object.material_slots] or [self._of(None)]
 
-    def _id(self, material) -> int:
+    def _of(self, material) -> Exported:
         if material is None:
             if self._default is None:
-                self._default = self._scene.add_material("(no material)", diffuse=GREY)
+                self._default = Exported(self._scene.add_material("(no material)", diffuse=GREY))
             return self._default
         key = material.as_pointer()
-        if key not in self._ids:
-            self._ids[key] = self._export(material)
-        return self._ids[key]
+        if key not in self._exported:
+            self._exported[key] = self._export(material)
+        return self._exported[key]
 
-    def _export(self, material) -> int:
+    def _export(self, material) -> Exported:
         issues: list[str] = []
-        brdf = self._brdf(material, issues)
+        tree = compat.node_tree(material)
+        output = output_node(tree) if tree else None
+        if tree and not (output and output.inputs["Surface"].is_linked):
+            issues.append("no shader is linked to its surface; rendered black")
+        if output and output.inputs["Displacement"].is_linked:
+            issues.append("Displacement not supported yet and ignored")
+        try:
+            lobes = paper_lobes(material)
+        except NotThePapers:
+            exported = self._program(material, output, issues)
+        else:
+            check_finite(material, lobes)
+            brdf: Brdf = combine(lobes, issues)
+            exported = Exported(self._scene.add_material(material.name, **brdf._asdict()))
         if issues:
             self._notes.add(f"material {material.name!r}: {'; '.join(dict.fromkeys(issues))}")
-        return self._scene.add_material(material.name, **brdf._asdict())
+        return exported
 
-    def _brdf(self, material, issues: list[str]) -> Brdf:
-        lobes = surface_lobes(material, issues)
-        for lobe in lobes:
-            if not np.isfinite(lobe.albedo).all():
-                raise ExportError(f"material {material.name!r}: its colour is not a finite number")
-            if not np.isfinite(lobe.exponent):
-                raise ExportError(f"material {material.name!r}: its roughness is not a finite number")
-        return combine(lobes, issues)
+    def _program(self, material, output, issues: list[str]) -> Exported:
+        compiler = Compiler(material.name, self.attributes, self._images, issues, self._operations)
+        Shaders(compiler).surface(output.inputs["Surface"])
+        program = compiler.program
+        if not np.isfinite(program.arrays()["registers"]).all():
+            raise ExportError(f"material {material.name!r}: a value of its nodes is not a finite number")
+        number = self._scene.add_program(material.name, **program.arrays())
+        if sum(kind not in NOT_REFLECTING for kind, *_ in program.closures) > self._module.MAX_LOBES:
+            issues.append(f"only the first {self._module.MAX_LOBES} of its shaders reflect light")
+        return Exported(number, frozenset(o[4] for o in program.operations if o[0] == "attribute"))

@@ -7,7 +7,8 @@ import numpy as np
 
 from .. import compat
 from ..notes import Notes
-from .materials import Materials
+from .materials import Exported, Materials
+from .shader import at_corners
 
 
 class MeshArrays(NamedTuple):
@@ -55,39 +56,57 @@ class Meshes:
 
     def __init__(self, native_scene, materials: Materials, notes: Notes) -> None:
         self._scene, self._materials, self._notes = native_scene, materials, notes
-        self._mesh_ids: dict[int, int | None] = {}
-        self._slots: dict[tuple[int, int], list[int]] = {}
+        self._mesh_ids: dict[tuple[int, frozenset[int]], int | None] = {}
+        self._slots: dict[tuple[int, int], list[Exported]] = {}
 
     def add(self, instance) -> None:
         """Adds one entry of depsgraph.object_instances whose object is a mesh.
 
         The key is the evaluated mesh: Blender gives all instances, and all objects that share a mesh and do not modify
-        it, the same one. Its materials may still differ by object (slots linked to the object).
+        it, the same one. Its materials may still differ by object (slots linked to the object); where they read other
+        attributes, the mesh is exported once more.
         """
         evaluated_object = instance.object
-        mesh_key = evaluated_object.data.as_pointer()
-        if mesh_key not in self._mesh_ids:
-            self._mesh_ids[mesh_key] = self._export(evaluated_object)
-        mesh_id = self._mesh_ids[mesh_key]
-        if mesh_id is None:
-            return
-        slots_key = mesh_key, evaluated_object.original.as_pointer()
+        slots_key = evaluated_object.data.as_pointer(), evaluated_object.original.as_pointer()
         if slots_key not in self._slots:
             self._slots[slots_key] = self._materials.of_slots(evaluated_object)
             if found := unsupported(evaluated_object):
                 self._notes.add(f"object {evaluated_object.name!r}: {', '.join(found)} not supported yet and ignored")
+        slots = self._slots[slots_key]
+        mesh_key = slots_key[0], frozenset().union(*(slot.attributes for slot in slots))
+        if mesh_key not in self._mesh_ids:
+            self._mesh_ids[mesh_key] = self._export(evaluated_object, mesh_key[1])
+        mesh_id = self._mesh_ids[mesh_key]
+        if mesh_id is None:
+            return
         matrix = np.array(instance.matrix_world, dtype=np.float64)
-        self._scene.add_instance(evaluated_object.name, mesh_id, matrix, self._slots[slots_key])
+        self._scene.add_instance(evaluated_object.name, mesh_id, matrix, [slot.number for slot in slots])
 
-    def _export(self, evaluated_object) -> int | None:
-        """The native id of an object's mesh, None if it has no triangles.
+    def _export(self, evaluated_object, attributes: frozenset[int]) -> int | None:
+        """The native id of an object's mesh with these attributes, None if it has no triangles.
 
         Read in place, not through to_mesh(): on the temporary objects that stand for geometry nodes' instances
         to_mesh() leaks. Only an object in edit mode needs it, as its mesh is still in the editor's own form.
         """
         mesh = evaluated_object.data
         is_edited = mesh.is_editmode
-        arrays = read_mesh(evaluated_object.to_mesh() if is_edited else mesh)
+        mesh = evaluated_object.to_mesh() if is_edited else mesh
+        arrays = read_mesh(mesh)
+        values = self._attributes(evaluated_object, mesh, attributes, arrays.triangles)
         if is_edited:
             evaluated_object.to_mesh_clear()
-        return self._scene.add_mesh(evaluated_object.name, *arrays) if len(arrays.triangles) else None
+        return self._scene.add_mesh(evaluated_object.name, *arrays, values) if len(arrays.triangles) else None
+
+    def _attributes(self, evaluated_object, mesh, wanted: frozenset[int], triangles) -> dict[int, np.ndarray]:
+        """What the materials read of a mesh, at the corners of its triangles; what it has not got is left out."""
+        found = {}
+        for number in sorted(wanted):
+            name = self._materials.attributes.names[number]
+            try:
+                values = at_corners(mesh, name, triangles)
+            except ValueError as problem:
+                self._notes.add(f"object {evaluated_object.name!r}: {name.strip()!r}: {problem}")
+                continue
+            if values is not None:
+                found[number] = values
+        return found

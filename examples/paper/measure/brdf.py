@@ -29,7 +29,8 @@ def glossy(name: str, colour, roughness: float, diffuse=None):
     nodes, links = material.node_tree.nodes, material.node_tree.links
     nodes.clear()
     output, shader = nodes.new("ShaderNodeOutputMaterial"), nodes.new(GLOSSY)
-    shader.distribution = "GGX"
+    shader.distribution = "ASHIKHMIN_SHIRLEY"  # what Penumbra renders as the paper's Phong lobe
+    shader.name = "Lobe"
     shader.inputs["Color"].default_value = (*colour, 1)
     shader.inputs["Roughness"].default_value = roughness
     if diffuse:
@@ -121,6 +122,8 @@ def lobes() -> list[Row]:
         cycles.filter_width = 0.01
         for engine in ("PENUMBRA", "CYCLES"):
             scene.render.engine = engine
+            if engine == "CYCLES":
+                bpy.context.object.data.materials[0].node_tree.nodes["Lobe"].distribution = "GGX"
             row = render_in_blender(scene)[0, :, 1]
             degrees = np.degrees(np.arctan(((np.arange(256) + 0.5) / 256 - 0.5) * 12.0 / 4))
             rows += [{"roughness": roughness, "engine": engine, "degrees": float(d), "radiance": float(v / row.max())}

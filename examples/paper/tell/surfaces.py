@@ -34,9 +34,8 @@ most 1:
   and *energy-conserving* because at any other angle part of the lobe lies below the surface and less comes back;
 - mirror: the albedo times what the mirror direction sees, followed `mirror_depth` times.
 
-From Blender: a Diffuse BSDF and the base colour of a Principled BSDF are the diffuse term, a Glossy BSDF of roughness
-0 is the mirror, any other a Phong lobe; Mix and Add Shader weight and sum them. The exponent is n = 1 / (2 alpha^2) -
-1/2 with alpha = roughness^2, as Cycles has it: a microfacet distribution of roughness alpha is close to Blinn's lobe
+From Blender: a Diffuse BSDF is the diffuse term, a Glossy BSDF of roughness 0 the mirror, one with the distribution
+Ashikhmin-Shirley a Phong lobe; Mix and Add Shader weight and sum them. The exponent is n = 1 / (2 alpha^2) - 1/2 with alpha = roughness^2, as Cycles has it: a microfacet distribution of roughness alpha is close to Blinn's lobe
 of exponent 2 / alpha^2 - 2 in the half-vector's angle (Walter et al. 2007), which is half the angle to the mirror
 direction, hence a quarter of it. What a material has beyond this gets a note in the log.
 

@@ -1,0 +1,11 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Materials' node trees -> programs that the native renderer evaluates at each surface point."""
+
+# The families of nodes register themselves.
+from . import nodes_colours, nodes_surface, nodes_textures, nodes_values  # noqa: F401
+from .attributes import AttributeNames, at_corners
+from .closures import Shaders
+from .compiler import Compiler
+from .images import Images
+
+__all__ = ["AttributeNames", "Compiler", "Images", "Shaders", "at_corners"]

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What a material's operations work on: registers, the surface at one point and beside it, textures.
+#pragma once
+
+#include <span>
+#include <utility>
+
+#include "scene/attributes.h"
+#include "scene/program.h"
+
+namespace penumbra {
+
+class Textures;
+
+enum class RayKind : uint8_t { kCamera, kMirror, kShadow };
+
+/// The surface at a point as node trees see it: world space, metres.
+struct SurfaceSample {
+  Vec3f position, object_position;
+  float u = 0, v = 0;  // barycentric
+};
+
+/// One evaluation of a program.
+struct Machine {
+  Vec3f* registers;
+  const float* tables;
+  const SurfacePlace* place;
+  SurfaceSample at[3];             // here, and a footprint to either side
+  Vec3f normal, geometric_normal;  // unit, on the viewer's side
+  Vec3f incoming;                  // unit, towards the viewer
+  RayKind ray;
+  const Textures* textures;
+
+  const Vec3f& in(const Operation& o, size_t i) const { return registers[o.in[i]]; }
+  float number(const Operation& o, size_t i) const { return registers[o.in[i]].x; }
+  void set(const Operation& o, const Vec3f& value) { registers[o.out] = value; }
+  void set(const Operation& o, float value) { registers[o.out] = {value, value, value}; }
+  void set_second(const Operation& o, float value) { registers[o.out + 1] = {value, value, value}; }
+  void set_second(const Operation& o, const Vec3f& value) { registers[o.out + 1] = value; }
+  const SurfaceSample& surface(const Operation& o) const { return at[o.shift]; }
+};
+
+/// Turns a bumped normal towards the surface's own until the viewer's mirror direction leaves the surface.
+Vec3f with_valid_reflection(const Machine& machine, const Vec3f& bumped);
+
+/// An operation by its name. `pure`: the result depends on the inputs alone, so that constants can be folded.
+struct NamedOperation {
+  const char* name;
+  OperationFunction function;
+  bool pure = true;
+};
+
+/// The families, each in a file of its own.
+std::span<const NamedOperation> input_operations();
+std::span<const NamedOperation> math_operations();
+std::span<const NamedOperation> vector_operations();
+std::span<const NamedOperation> colour_operations();
+std::span<const NamedOperation> mix_operations();
+std::span<const NamedOperation> procedural_operations();
+std::span<const NamedOperation> image_operations();
+
+}  // namespace penumbra

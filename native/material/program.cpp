@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <set>
+#include <unordered_map>
+
+#include "material/evaluate.h"
+
+namespace penumbra {
+namespace {
+
+using Names = std::unordered_map<std::string, const NamedOperation*>;
+
+const Names& names() {
+  static const Names all = [] {
+    Names result;
+    for (const auto& family :
+         {input_operations(), math_operations(), vector_operations(), colour_operations(), mix_operations(),
+          procedural_operations(), image_operations()})
+      for (const NamedOperation& operation : family) result[operation.name] = &operation;
+    return result;
+  }();
+  return all;
+}
+
+bool is_pure(OperationFunction function) {
+  for (const auto& [name, operation] : names())
+    if (operation->function == function) return operation->pure;
+  return false;
+}
+
+}  // namespace
+
+const NamedOperation* find_operation(const std::string& name) {
+  const auto found = names().find(name);
+  return found == names().end() ? nullptr : found->second;
+}
+
+std::vector<std::string> operation_names() {
+  std::vector<std::string> result;
+  for (const auto& [name, operation] : names()) result.push_back(name);
+  return result;
+}
+
+void fold(Program& program) {
+  std::vector<bool> varies(program.registers.size(), false);
+  std::vector<Operation> kept;
+  Machine machine{};
+  machine.registers = program.registers.data();
+  machine.tables = program.tables.data();
+  for (const Operation& operation : program.operations) {
+    bool constant = is_pure(operation.function);
+    for (const uint16_t input : operation.in) constant = constant && !varies[input];
+    if (constant) {
+      operation.function(machine, operation);
+    } else {
+      kept.push_back(operation);
+      varies[operation.out] = true;
+      if (operation.out + 1u < varies.size()) varies[operation.out + 1u] = true;
+    }
+  }
+  program.operations = std::move(kept);
+  program.looks_beside = std::any_of(program.operations.begin(), program.operations.end(),
+                                     [](const Operation& o) { return o.shift > 0; });
+}
+
+Program transparency_of(const Program& program) {
+  Program result = program;
+  std::erase_if(result.closures, [](const ClosureStep& c) { return c.kind != ClosureKind::kTransparent; });
+  result.normal = 0;
+  std::set<uint16_t> wanted;
+  for (const ClosureStep& closure : result.closures) wanted.insert(closure.colour);
+  std::vector<Operation> kept;
+  for (auto operation = program.operations.rbegin(); operation != program.operations.rend(); ++operation) {
+    if (!wanted.contains(operation->out) && !wanted.contains(uint16_t(operation->out + 1))) continue;
+    kept.insert(kept.begin(), *operation);
+    wanted.insert(operation->in.begin(), operation->in.end());
+  }
+  result.operations = std::move(kept);
+  return result;
+}
+
+}  // namespace penumbra

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What a mesh tells about its surface beside positions and normals: UV maps, colours, generated coordinates.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "scene/normalization.h"
+
+namespace penumbra {
+
+/// Values at each corner of each triangle, interpolated in between.
+struct Attribute {
+  uint32_t name;  // number of its name in the scene
+  std::vector<std::array<float, 4>>
+      corners;  // three a triangle; a component that is missing is 0, a fourth 1
+};
+
+/// Where on which mesh a surface point lies, as materials see it. Of the geometry that found the point.
+struct SurfacePlace {
+  const std::vector<Attribute>* attributes = nullptr;
+  const Normalization* normalization = nullptr;
+  const Affine* render_from_object = nullptr;
+  const Affine* render_from_mesh = nullptr;  // from the space of the edges
+  Vec3d edge1, edge2;                        // of the triangle
+  uint32_t triangle = 0;
+  double u = 0, v = 0;  // barycentric weights of its second and third corner
+  bool backfacing = false;
+};
+
+}  // namespace penumbra

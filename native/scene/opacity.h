@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What shadow rays need to know about materials.
+#pragma once
+
+#include "scene/surface_point.h"
+
+namespace penumbra {
+
+/// Immutable, so that threads share it.
+class Opacity {
+ public:
+  virtual ~Opacity() = default;
+
+  /// Whether a material lets light through somewhere.
+  virtual bool may_be_transparent(uint32_t material) const = 0;
+  /// Share of the light that goes straight through a surface point, 0 ... 1, along a ray's direction.
+  virtual double transparency(const SurfacePoint& surface, const Vec3d& direction) const = 0;
+};
+
+}  // namespace penumbra

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Shadow rays through transparent surfaces: Embree asks at each of them, in no particular order.
+#include "visibility/geometry.h"
+
+namespace penumbra {
+
+double Geometry::transparency(const Ray& ray, const Hit& hit) const {
+  const SurfacePoint surface = surface_point(ray, hit);
+  return opacity_->may_be_transparent(surface.material) ? opacity_->transparency(surface, ray.direction) : 0;
+}
+
+void Geometry::filter_shadow_rays(const RTCFilterFunctionNArguments* arguments) {
+  const auto& geometry = *static_cast<const Geometry*>(arguments->geometryUserPtr);
+  float* transmittance = static_cast<const embree::ShadowContext*>(arguments->context)->transmittance;
+  const unsigned n = arguments->N;
+  RTCRayN* rays = arguments->ray;
+  for (unsigned i = 0; i < n; ++i) {
+    if (!arguments->valid[i]) continue;
+    const Ray ray{{RTCRayN_org_x(rays, n, i), RTCRayN_org_y(rays, n, i), RTCRayN_org_z(rays, n, i)},
+                  {RTCRayN_dir_x(rays, n, i), RTCRayN_dir_y(rays, n, i), RTCRayN_dir_z(rays, n, i)}};
+    const unsigned instance = RTCHitN_instID(arguments->hit, n, i, 0);
+    const Hit hit{instance != RTC_INVALID_GEOMETRY_ID ? instance : RTCHitN_geomID(arguments->hit, n, i),
+                  RTCHitN_primID(arguments->hit, n, i)};
+    float& left = transmittance[RTCRayN_id(rays, n, i)];
+    left *= float(geometry.transparency(ray, hit));
+    if (left > 0) arguments->valid[i] = 0;  // goes on
+  }
+}
+
+}  // namespace penumbra
