@@ -119,7 +119,7 @@ void render(Bytes& in) {
   const RenderSettings settings = read_settings(in);
   auto [mesh_list, instance_list] = scene->release_geometry();
   const auto geometry = std::make_shared<Geometry>(std::move(mesh_list), std::move(instance_list));
-  Renderer renderer(scene, geometry, settings);
+  Renderer renderer(scene, geometry, std::make_shared<const Materials>(scene), settings);
   renderer.start();
   renderer.finish();
   check(renderer.film(), renderer.settings());
