@@ -100,7 +100,7 @@ class PenumbraRenderEngine(bpy.types.RenderEngine):
                 self.update_progress(render.progress)
                 if perf_counter() - told >= STATUS_SECONDS:  # a line in the log of a headless run
                     told = perf_counter()
-                    self.update_stats("", f"Rendered {100 * render.progress:.0f} %")
+                    self.update_stats("", statistics.progress_line(render.progress, render.estimated_error))
                 if not cancelled and self.test_break():
                     cancelled = True
                     render.cancel()

@@ -91,7 +91,7 @@ class PenumbraSettings(bpy.types.PropertyGroup):
         name="Pixel Samples",
         description="Camera rays per pixel; 1 is a single ray through the pixel's centre, without antialiasing. With"
         " the bounded stop rule any value above 1 turns antialiasing on, with as many rays as the tolerance needs",
-        default=1, min=1, max=2**20, soft_max=256,
+        default=16, min=1, max=2**20, soft_max=256,
     )  # fmt: skip
     max_pixel_samples: IntProperty(
         name="Max Pixel Samples",

@@ -28,6 +28,12 @@ def peak_memory() -> int:
     return peak if sys.platform == "darwin" else peak * 1024
 
 
+def progress_line(done: float, error: float) -> str:
+    """How far a render is: the share of the pixels done, and what nearly all of them may still be off by."""
+    line = f"{100 * done:.0f} % of the pixels done"
+    return f"{line}, 99 % of them with an estimated error below {error:.2g}" if error > 0 else line
+
+
 def of_view_layer(native: dict, seconds: dict[str, float], notes: list[str], cancelled: bool) -> dict:
     """The statistics of one view layer: `native` from the native renderer, completed by what only the add-on knows."""
     return native | {

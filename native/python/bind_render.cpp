@@ -208,6 +208,10 @@ setting. Building the acceleration structure happens here, once a scene; Runtime
       .def_property_readonly("done", [](PythonRender& self) { return self.renderer().done(); })
       .def_property_readonly(
           "progress", [](PythonRender& self) { return self.renderer().progress(); }, "0 ... 1")
+      .def_property_readonly(
+          "estimated_error", [](PythonRender& self) { return self.renderer().estimated_error(); },
+          "99th percentile of the error estimates of the pixels finished so far, display units; 0 before the "
+          "first. Finished are those that wait() has told of, or will next.")
       .def("read", &PythonRender::read, py::arg("name"), py::arg("x"), py::arg("y"), py::arg("width"),
            py::arg("height"),
            "A block of a pass: (height * width, channels) float32, bottom row first, a copy.")

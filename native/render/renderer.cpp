@@ -40,6 +40,13 @@ RenderSettings affordable(const RenderSettings& given) {
   return settings;
 }
 
+/// Moves the 99th percentile to its place, all larger values behind it.
+std::vector<float>::iterator percentile_99(std::vector<float>& values) {
+  const auto p99 = values.begin() + std::ptrdiff_t((values.size() - 1) * 99 / 100);
+  std::nth_element(values.begin(), p99, values.end());
+  return p99;
+}
+
 std::vector<Luminaire> emitting_luminaires(const Scene& scene, const Normalization& normalization) {
   std::vector<Luminaire> luminaires;
   for (const LuminaireDescription& description : scene.luminaires())
@@ -250,6 +257,23 @@ double Renderer::progress() const {
   return double(blocks_done_) / double(block_count_);
 }
 
+double Renderer::estimated_error() const {
+  std::vector<Rectangle> finished;
+  {
+    const std::lock_guard lock(mutex_);
+    for (const auto& bucket : buckets_)
+      if (bucket->blocks_left == 0) finished.push_back(bucket->area);
+  }
+  const std::vector<float>& all = film_.pass("Error Estimate");
+  std::vector<float> errors;
+  for (const Rectangle& area : finished)
+    for (uint32_t y = area.y - settings_.region.y; y < area.y - settings_.region.y + area.height; ++y) {
+      const auto row = all.begin() + std::ptrdiff_t(y) * settings_.region.width + area.x - settings_.region.x;
+      errors.insert(errors.end(), row, row + area.width);
+    }
+  return errors.empty() ? 0 : *percentile_99(errors);
+}
+
 void Renderer::finish() {
   for (std::thread& thread : threads_)
     if (thread.joinable()) thread.join();
@@ -262,8 +286,7 @@ void Renderer::summarize() {
   for (const auto& bucket : buckets_) sum += bucket->tally;
   std::vector<float> errors = film_.pass("Error Estimate");
   statistics_.error_mean = std::accumulate(errors.begin(), errors.end(), 0.0) / double(errors.size());
-  const auto p99 = errors.begin() + std::ptrdiff_t((errors.size() - 1) * 99 / 100);
-  std::nth_element(errors.begin(), p99, errors.end());
+  const auto p99 = percentile_99(errors);
   statistics_.error_p99 = *p99;
   statistics_.error_max = *std::max_element(p99, errors.end());
   statistics_.tally = std::move(sum);

@@ -40,6 +40,9 @@ class Renderer {
   /// It was started, and every bucket was reported, or it was cancelled or failed and its threads are idle.
   bool done() const;
   double progress() const;
+  /// 99th percentile of the error estimates of all finished buckets' pixels, display units; 0 before the
+  /// first.
+  double estimated_error() const;
   void cancel() { cancelled_ = true; }
   /// Waits for the threads; rethrows what a worker threw.
   void finish();

@@ -36,10 +36,10 @@ def test_panels_that_users_need_are_shown(scene):
 
 
 def test_defaults_are_those_of_the_contract(scene):
-    settings = scene.penumbra
+    settings = bpy.data.scenes.new("fresh").penumbra
     expected = {
         "stop_rule": "BOUNDED", "sampler": "OWEN_SOBOL", "sample_reuse": "SCRAMBLED", "light_samples": 64,
-        "max_light_samples": 8192, "check_interval": 5, "pixel_samples": 1, "filter_type": "BLACKMAN_HARRIS",
+        "max_light_samples": 8192, "check_interval": 5, "pixel_samples": 16, "filter_type": "BLACKMAN_HARRIS",
         "filter_width": 1.5, "mirror_depth": 4, "seed": 0, "statistics_file": "",
     }  # fmt: skip
     assert {name: getattr(settings, name) for name in expected} == expected

@@ -92,3 +92,9 @@ def test_the_summary_names_time_rays_and_error(cube_scene):
     names = dict(statistics.summary(statistics.last_render))
     assert {"Seconds", "Rays", "Estimated error", "Error tolerance"} <= set(names)
     assert f"{statistics.last_render['shadow_rays']:,} shadow" in names["Rays"]
+
+
+def test_progress_tells_of_pixels_and_of_error():
+    assert statistics.progress_line(0.0, 0.0) == "0 % of the pixels done"
+    line = statistics.progress_line(0.25, 0.00312)
+    assert line == "25 % of the pixels done, 99 % of them with an estimated error below 0.0031"

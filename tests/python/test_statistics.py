@@ -163,3 +163,17 @@ def test_order_of_instances_matters_to_the_hash_only():
     first, second = render(a, 8, stop_rule="FIXED"), render(b, 8, stop_rule="FIXED")
     assert (first.red == second.red).all()
     assert first.statistics["scene_hash"] != second.statistics["scene_hash"]
+
+
+def test_estimated_error_while_rendering():
+    """Of the pixels finished so far: their estimates' 99th percentile, in the end that of the statistics."""
+    job = pn.Render(scene(), {"width": 200, "height": 80, "passes": ["Error Estimate"], "threads": 1})
+    assert job.estimated_error == 0
+    job.start()
+    finished = np.zeros((80, 200), bool)
+    while not job.done:
+        for x, y, width, height in job.wait(1.0):
+            finished[y : y + height, x : x + width] = True
+            assert 0 < job.estimated_error < 0.004
+    job.finish()
+    assert finished.all() and job.estimated_error == job.statistics()["error_estimate"]["p99"] > 0
