@@ -25,7 +25,8 @@ uint32_t halo(const PixelFilter& filter) {
 
 /// Quantiles as in BoundedCalibration; smoothed standard error c s n^-0.65 of samples with standard deviation
 /// s (between n^-5/8, of an edge in four dimensions, and n^-3/4, in two), worth so many neighbours.
-constexpr double kStop = 2.7, kReport = 2.2, kSmoothed = 1.0, kExponent = 0.65, kPriorWeight = 6.0;
+constexpr double kStop = 2.7, kReport = 2.2, kSmoothed = 1.0, kExponent = 0.65, kPriorWeight = 6.0,
+                 kTileWeight = 4.0;
 
 /// First samples whose unshadowed values leave a plane by more than this share of the tolerance want more
 /// rays.
@@ -58,7 +59,8 @@ class FilteredBlock {
   std::vector<uint32_t> pixels_of(const Rectangle& tile, Condition condition) const;
   void refine_smooth(const Rectangle& tile);
   void refine_edges(const Rectangle& tile);
-  double standard_error(uint32_t p, std::span<const uint32_t> uncertain) const;
+  double smoothed_constant(std::span<const uint32_t> uncertain) const;
+  double standard_error(uint32_t p, std::span<const uint32_t> uncertain, double smoothed) const;
   void write();
   void tell(PixelTrace& trace);
 
@@ -302,12 +304,25 @@ void FilteredBlock::advance(uint32_t p) {
   pixels_[p].close_level(slots(p), display_scale_);
 }
 
+/// c^2 of the smoothed standard error in one tile: how edges there converge is learned from the blocks of all
+/// its uncertain pixels, beginning with the constant.
+double FilteredBlock::smoothed_constant(std::span<const uint32_t> uncertain) const {
+  double sum = kTileWeight * kSmoothed * kSmoothed, weight = kTileWeight;
+  for (uint32_t p : uncertain) {
+    const double prior = pixels_[p].prior_variance(frame_.of_pixel(p), display_scale_, kExponent);
+    if (prior <= 0) continue;
+    sum += pixels_[p].variance / prior;
+    ++weight;
+  }
+  return sum / weight;
+}
+
 /// Of the pixel's estimate, with its uncertain neighbours' help.
-double FilteredBlock::standard_error(uint32_t p, std::span<const uint32_t> uncertain) const {
+double FilteredBlock::standard_error(uint32_t p, std::span<const uint32_t> uncertain, double smoothed) const {
   const FilteredPixel& pixel = pixels_[p];
   const double n = pixel.count;
   const std::span<const Slot> slot = frame_.of_pixel(p);
-  const double prior = kSmoothed * kSmoothed * pixel.prior_variance(slot, display_scale_, kExponent);
+  const double prior = smoothed * pixel.prior_variance(slot, display_scale_, kExponent);
   const int x = int(p % block_.width), y = int(p / block_.width);
   double sum = 0;
   int count = 0;
@@ -340,9 +355,10 @@ void FilteredBlock::refine_edges(const Rectangle& tile) {
   std::vector<uint32_t> open;
   for (open = edges; !open.empty();) {
     std::vector<uint32_t> again;
+    const double smoothed = smoothed_constant(edges);
     for (uint32_t p : open) {
       FilteredPixel& pixel = pixels_[p];
-      const double error = standard_error(p, edges), charged = pixel.charged / pixel.count;
+      const double error = standard_error(p, edges, smoothed), charged = pixel.charged / pixel.count;
       const double tolerance =
           tolerance_ * std::max(1.0, max_component(pixel.estimate(slots(p))) * display_scale_);
       pixel.error = kReport * error + charged;

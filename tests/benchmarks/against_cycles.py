@@ -117,5 +117,6 @@ def main(folder: Path, percentage: int) -> None:
     plot(rows, folder / "speed_against_error.png")
 
 
-arguments = sys.argv[sys.argv.index("--") + 1 :]
-main(Path(arguments[0]), int(arguments[1]) if len(arguments) > 1 else 100)
+if __name__ == "__main__":
+    arguments = sys.argv[sys.argv.index("--") + 1 :]
+    main(Path(arguments[0]), int(arguments[1]) if len(arguments) > 1 else 100)
