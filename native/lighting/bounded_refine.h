@@ -11,7 +11,7 @@ namespace penumbra {
 /// Calibrated constants; how they were found: tests/benchmarks/README.md.
 struct BoundedCalibration {
   /// Quantile that stopping tests, in units of the estimated standard error: about 99 % of the pixels.
-  double stop = 2.7;
+  double stop = 3.0;
   /// Quantile of the Error Estimate pass: 95 %.
   double report = 2.2;
   /// What an item's error is before its neighbours are asked, the smoothed standard error

@@ -24,24 +24,19 @@ constexpr int kIntervals = 1024;
 }  // namespace
 
 PixelFilter::PixelFilter(FilterKind kind, double width)
-    : support_(kind == FilterKind::kBox ? width : 2 * width) {
+    : support_(kind == FilterKind::kBox ? width : 2 * width), variance_(support_ * support_ / 12) {
   if (kind == FilterKind::kBox) return;
   cumulative_.resize(kIntervals + 1);
   for (int i = 0; i <= kIntervals; ++i) cumulative_[i] = blackman_harris_integral(double(i) / kIntervals);
+  variance_ = 0;
+  for (int i = 0; i < kIntervals; ++i) {
+    const double x = ((i + 0.5) / kIntervals - 0.5) * support_;
+    variance_ += x * x * (cumulative_[i + 1] - cumulative_[i]);
+  }
   for (int k = 0, i = 0; k <= kIntervals; ++k) {
     while (i + 1 < kIntervals && cumulative_[i + 1] <= double(k) / kIntervals) ++i;
     guide_.push_back(uint16_t(i));
   }
-}
-
-double PixelFilter::variance() const {
-  if (cumulative_.empty()) return support_ * support_ / 12;
-  double sum = 0;
-  for (int i = 0; i < kIntervals; ++i) {
-    const double x = ((i + 0.5) / kIntervals - 0.5) * support_;
-    sum += x * x * (cumulative_[i + 1] - cumulative_[i]);
-  }
-  return sum;
 }
 
 double PixelFilter::offset(double x) const {

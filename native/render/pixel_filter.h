@@ -18,13 +18,13 @@ class PixelFilter {
   /// Whole width in pixels of the square that offsets lie in.
   double support() const { return support_; }
   /// Second moment of the offsets along one axis, pixels squared.
-  double variance() const;
+  double variance() const { return variance_; }
 
   /// Offset in pixels, distributed as the filter. x in [0, 1).
   double offset(double x) const;
 
  private:
-  double support_;
+  double support_, variance_;
   // Of the filter over its support; empty for a box, whose inverse is linear.
   std::vector<double> cumulative_;
   std::vector<uint16_t> guide_;  // for each 1/1024 of x, the interval where the search for its inverse begins

@@ -73,6 +73,7 @@ TEST(PixelFilter, HasMeanZeroAndItsVariance) {
         variance += offset * offset / 16384;
       }
       EXPECT_NEAR(mean, 0, 1e-12);
+      EXPECT_NEAR(filter.variance(), variance, 1e-5 * width * width);
       EXPECT_NEAR(variance, variances[kind == FilterKind::kBox ? 0 : 1], 1e-5 * width * width);
     }
   }
