@@ -35,7 +35,7 @@ def rays_for_the_error(scene, runs):
 
 @pytest.mark.parametrize(("scene", "most"), [(solid_objects, 45), (slanted_fence, 60)])
 def test_rays_a_pixel(scene, most):
-    """At most so many, and 0.22 times what fixed points need: the figures that prototypes promised; 9 and 26 were seen."""
+    """At most so many, and 0.22 times what fixed points need: what prototypes promised; 9 and 26 were seen."""
     bounded = rays_for_the_error(scene, [{"error_tolerance": t} for t in (0.04, 0.02, 0.012, 0.008, 0.006)])
     fixed = rays_for_the_error(scene, [{"stop_rule": "FIXED", "light_samples": 2**k} for k in range(5, 10)])
     assert bounded <= most

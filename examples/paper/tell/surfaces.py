@@ -35,9 +35,10 @@ most 1:
 - mirror: the albedo times what the mirror direction sees, followed `mirror_depth` times.
 
 From Blender: a Diffuse BSDF is the diffuse term, a Glossy BSDF of roughness 0 the mirror, one with the distribution
-Ashikhmin-Shirley a Phong lobe; Mix and Add Shader weight and sum them. The exponent is n = 1 / (2 alpha^2) - 1/2 with alpha = roughness^2, as Cycles has it: a microfacet distribution of roughness alpha is close to Blinn's lobe
-of exponent 2 / alpha^2 - 2 in the half-vector's angle (Walter et al. 2007), which is half the angle to the mirror
-direction, hence a quarter of it. What a material has beyond this gets a note in the log.
+Ashikhmin-Shirley a Phong lobe; Mix and Add Shader weight and sum them. The exponent is n = 1 / (2 alpha^2) - 1/2 with
+alpha = roughness^2, as Cycles has it: a microfacet distribution of roughness alpha is close to Blinn's lobe of exponent
+2 / alpha^2 - 2 in the half-vector's angle (Walter et al. 2007), which is half the angle to the mirror direction, hence
+a quarter of it. What a material has beyond this gets a note in the log.
 
 A furnace: a plane of Phong albedo {FURNACE_ALBEDO:g} under a luminaire that fills 98.8 % of its sky
 (cosine-weighted). Light sent back, in units of the luminaire's radiance, by the engine (and by a midpoint sum of the
