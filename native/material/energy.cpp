@@ -11,8 +11,8 @@
 namespace penumbra {
 namespace {
 
-/// Steps of the tables in cosine, roughness and index of refraction; points of each integral. Interpolated, the
-/// albedo is within 0.003 of the integral with many points (tests/native/test_energy.cpp).
+/// Steps of the tables in cosine, roughness and index of refraction; points of each integral. Interpolated,
+/// the albedo is within 0.003 of the integral with many points (tests/native/test_energy.cpp).
 constexpr int kCosines = 24, kRoughnesses = 24, kIndices = 12, kPoints = 256;
 constexpr float kLeastCosine = 0.02f, kLeastRoughness = 0.05f, kLowestIor = 1.01f, kHighestIor = 4;
 
@@ -58,10 +58,13 @@ using Table = std::array<std::array<float, kCosines>, kRoughnesses>;
 
 /// Linear in both.
 float interpolated(const Table& table, float cosine, float roughness) {
-  const float c = position(cosine, kLeastCosine, 1, kCosines), r = position(roughness, kLeastRoughness, 1, kRoughnesses);
+  const float c = position(cosine, kLeastCosine, 1, kCosines),
+              r = position(roughness, kLeastRoughness, 1, kRoughnesses);
   const int i = std::min(int(c), kCosines - 2), k = std::min(int(r), kRoughnesses - 2);
   const float s = c - float(i), t = r - float(k);
-  const auto row = [&](int n) { return table[size_t(n)][size_t(i)] * (1 - s) + table[size_t(n)][size_t(i) + 1] * s; };
+  const auto row = [&](int n) {
+    return table[size_t(n)][size_t(i)] * (1 - s) + table[size_t(n)][size_t(i) + 1] * s;
+  };
   return row(k) * (1 - t) + row(k + 1) * t;
 }
 
@@ -70,8 +73,8 @@ Table make_table(const F& reflectance) {
   Table table;
   for (int r = 0; r < kRoughnesses; ++r)
     for (int c = 0; c < kCosines; ++c)
-      table[size_t(r)][size_t(c)] = integrate(at(c, kLeastCosine, 1, kCosines),
-                                              at(r, kLeastRoughness, 1, kRoughnesses), reflectance);
+      table[size_t(r)][size_t(c)] =
+          integrate(at(c, kLeastCosine, 1, kCosines), at(r, kLeastRoughness, 1, kRoughnesses), reflectance);
   return table;
 }
 
@@ -110,7 +113,8 @@ float mean_ggx_albedo(float roughness) {
 }
 
 float dielectric_albedo(float cosine, float roughness, float ior) {
-  const float n = position(std::log(std::max(ior, kLowestIor)), std::log(kLowestIor), std::log(kHighestIor), kIndices);
+  const float n =
+      position(std::log(std::max(ior, kLowestIor)), std::log(kLowestIor), std::log(kHighestIor), kIndices);
   const int i = std::min(int(n), kIndices - 2);
   const auto& tables = dielectrics();
   const float t = n - float(i);

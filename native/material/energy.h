@@ -4,8 +4,8 @@
 
 namespace penumbra {
 
-/// Directional albedo of GGX microfacets that reflect everything; below 1 by the light that is scattered more than
-/// once. cosine: between viewer and normal. roughness: Blender's own.
+/// Directional albedo of GGX microfacets that reflect everything; below 1 by the light that is scattered more
+/// than once. cosine: between viewer and normal. roughness: Blender's own.
 float ggx_albedo(float cosine, float roughness);
 
 /// The cosine-weighted mean of that.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Albedos of microfacets against their integral over light directions, by the lobe that lighting evaluates: two roads to
-// the same number. The midpoint rule in 400 x 400 directions is good to 1e-3 from roughness 0.3 on; the tables'
-// interpolation adds 3e-3.
+// Albedos of microfacets against their integral over light directions, by the lobe that lighting evaluates:
+// two roads to the same number. The midpoint rule in 400 x 400 directions is good to 1e-3 from roughness 0.3
+// on; the tables' interpolation adds 3e-3.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -26,11 +26,14 @@ double integral(float cosine, float roughness, float ior) {
   constexpr int kSteps = 400;
   double sum = 0;
   for (int i = 0; i < kSteps; ++i) {
-    const double angle = (i + 0.5) / kSteps * kPi / 2, weight = std::sin(angle) * std::cos(angle) * (kPi / 2 / kSteps);
+    const double angle = (i + 0.5) / kSteps * kPi / 2,
+                 weight = std::sin(angle) * std::cos(angle) * (kPi / 2 / kSteps);
     for (int k = 0; k < kSteps; ++k) {
       const double phi = 2 * kPi * (k + 0.5) / kSteps;
-      const Vec3f light(Vec3d{std::sin(angle) * std::cos(phi), std::sin(angle) * std::sin(phi), std::cos(angle)});
-      const float reflected = ior > 0 ? fresnel_dielectric(dot(light, normalize(light + point.view)), ior) : 1.0f;
+      const Vec3f light(
+          Vec3d{std::sin(angle) * std::cos(phi), std::sin(angle) * std::sin(phi), std::cos(angle)});
+      const float reflected =
+          ior > 0 ? fresnel_dielectric(dot(light, normalize(light + point.view)), ior) : 1.0f;
       sum += double(evaluate_lobe(lobe, point, light).value * reflected) / kPi * weight * (2 * kPi / kSteps);
     }
   }
@@ -40,13 +43,15 @@ double integral(float cosine, float roughness, float ior) {
 TEST(Energy, GgxReflectsWhatItsIntegralSays) {
   for (const float cosine : {0.2f, 0.57f, 0.93f})
     for (const float roughness : {0.35f, 0.6f, 0.97f})
-      EXPECT_NEAR(ggx_albedo(cosine, roughness), integral(cosine, roughness, 0), 6e-3) << cosine << " " << roughness;
+      EXPECT_NEAR(ggx_albedo(cosine, roughness), integral(cosine, roughness, 0), 6e-3)
+          << cosine << " " << roughness;
 }
 
 TEST(Energy, DielectricsReflectWhatTheirIntegralSays) {
   for (const float cosine : {0.2f, 0.57f, 0.93f})
     for (const float ior : {1.2f, 1.5f, 2.3f})
-      EXPECT_NEAR(dielectric_albedo(cosine, 0.5f, ior), integral(cosine, 0.5f, ior), 6e-3) << cosine << " " << ior;
+      EXPECT_NEAR(dielectric_albedo(cosine, 0.5f, ior), integral(cosine, 0.5f, ior), 6e-3)
+          << cosine << " " << ior;
 }
 
 TEST(Energy, SmoothMicrofacetsReflectEverything) {
