@@ -10,7 +10,7 @@ from time import perf_counter
 
 import bpy
 
-from . import checkpoint, native, passes, properties, statistics
+from . import checkpoint, native, passes, properties, statistics, viewport
 from .export import ExportCancelled, ExportError, export_scene
 from .export.camera import frame_size, render_region
 from .notes import Notes
@@ -26,10 +26,19 @@ class PenumbraRenderEngine(bpy.types.RenderEngine):
     bl_idname = "PENUMBRA"
     bl_label = "Penumbra"
     bl_use_preview = False
+    bl_use_eevee_viewport = True  # the shading "Material Preview" is EEVEE's
     bl_use_shading_nodes_custom = False  # offer Blender's own shader nodes in the node editor
 
     def update_render_passes(self, scene=None, renderlayer=None):
         passes.register(self, scene, renderlayer)
+
+    def view_update(self, context, depsgraph):
+        """Called by Blender before the first view_draw and whenever something in the scene has changed."""
+        viewport.of_engine(self).update(context, depsgraph)
+
+    def view_draw(self, context, depsgraph):
+        """Called by Blender whenever the view is drawn."""
+        viewport.of_engine(self).draw(context, depsgraph)
 
     def render(self, depsgraph):
         """Renders one view layer; called by Blender once for each."""

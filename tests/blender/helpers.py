@@ -194,15 +194,18 @@ def blender_program() -> str:
     return bpy.app.binary_path
 
 
-def run_blender(*arguments, cwd=None, timeout=120, environment=None) -> subprocess.CompletedProcess:
+def run_blender(
+    *arguments, cwd=None, timeout=120, environment=None, within=(), options=("-b",)
+) -> subprocess.CompletedProcess:
     """Another `blender -b --factory-startup ARGUMENTS` with empty user folders; stdout and stderr as text.
 
-    `environment`: variables to add, such as BLENDER_USER_SCRIPTS, a folder with addons/penumbra.
+    `environment`: variables to add, such as BLENDER_USER_SCRIPTS, a folder with addons/penumbra. `within`: a command
+    that runs Blender, such as xvfb-run. `options`: what to have in place of -b.
     """
     with tempfile.TemporaryDirectory() as folder:
         variables = {"BLENDER_USER_CONFIG": folder, "BLENDER_USER_SCRIPTS": folder, "PYTHONDONTWRITEBYTECODE": "1"}
         return subprocess.run(
-            [blender_program(), "-b", "--factory-startup", *map(str, arguments)],
+            [*map(str, within), blender_program(), *options, "--factory-startup", *map(str, arguments)],
             cwd=cwd, timeout=timeout, env={**os.environ, **variables, **(environment or {})},
             capture_output=True, text=True, errors="replace", check=False,
         )  # fmt: skip

@@ -11,7 +11,7 @@ from .materials import Materials
 from .mesh_lights import MeshLights
 from .meshes import Meshes
 
-__all__ = ["ExportCancelled", "ExportError", "export_scene"]
+__all__ = ["ExportCancelled", "ExportError", "export_scene", "is_shown"]
 
 OBJECTS_BETWEEN_BREAKS = 256
 LEFT_OUT = {
@@ -23,12 +23,19 @@ LEFT_OUT = {
 }
 
 
-def export_scene(pn, depsgraph, camera_object, notes: Notes, is_cancelled: Callable[[], bool] = lambda: False):
+def is_shown(instance, space) -> bool:
+    """Whether an entry of depsgraph.object_instances is to be rendered: in a 3D view, or finally (None)."""
+    return instance.show_self and (space is None or instance.object.visible_in_viewport_get(space))
+
+
+def export_scene(pn, depsgraph, camera_object, notes: Notes, is_cancelled: Callable[[], bool] = lambda: False,
+                 space=None):  # fmt: skip
     """The native scene of an evaluated depsgraph, all in world space and metres.
 
     pn: the native module. camera_object: the evaluated camera, None for the scene's own. notes: gets one note for each
     thing that Penumbra renders differently from what the file asks. Raises ExportError or ValueError naming the object
-    at fault; ExportCancelled as soon as `is_cancelled()` is seen.
+    at fault; ExportCancelled as soon as `is_cancelled()` is seen. space: a 3D view, whose own camera is set later, and
+    whose hidden objects are left out.
     """
     scene = pn.Scene()
     materials = Materials(pn, scene, notes, depsgraph.view_layer_eval.material_override,
@@ -37,12 +44,13 @@ def export_scene(pn, depsgraph, camera_object, notes: Notes, is_cancelled: Calla
     luminaires = Luminaires(scene, notes)
     mesh_lights = MeshLights(scene, notes, depsgraph.view_layer_eval.material_override)
 
-    camera.export(scene, depsgraph, camera_object, notes)
+    if space is None:
+        camera.export(scene, depsgraph, camera_object, notes)
     world.export(scene, depsgraph.scene_eval, notes)
     for count, instance in enumerate(depsgraph.object_instances):
         if count % OBJECTS_BETWEEN_BREAKS == 0 and is_cancelled():
             raise ExportCancelled
-        if not instance.show_self:
+        if not is_shown(instance, space):
             continue
         kind = instance.object.type
         if kind == "MESH":  # curves, text, surfaces and metaballs come as instances of a mesh, too
