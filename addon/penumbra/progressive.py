@@ -11,6 +11,8 @@ from time import perf_counter
 import numpy as np
 
 WAIT_SECONDS = 0.02
+ESTIMATE_SECONDS = 0.5
+"""Between two looks at the estimated error, for which all pixels are read."""
 QUICK = {
     "stop_rule": "FIXED", "sampler": "OWEN_SOBOL", "sample_reuse": "SCRAMBLED", "light_samples": 16, "pixel_samples": 1,
 }  # fmt: skip
@@ -44,14 +46,9 @@ class Refinement:
         self.changes = 0
         """counts up with each change of `pixels`, and at the end"""
         self.step, self.progress, self.error_estimate = 0, 0.0, 0.0
+        """number of the picture in `pixels`, and how far the one is that is being rendered"""
         self.failure = ""
         self.done = False
-
-    @property
-    def status(self) -> str:
-        """How far it is, in words."""
-        line = f"Picture {max(self.step, 1)} of {STEPS}: {100 * self.progress:.0f} % of the pixels done"
-        return f"{line}, estimated error {self.error_estimate:.2g}" if self.error_estimate > 0 else line
 
     def cancel(self) -> None:
         """Makes run() return soon; does not wait."""
@@ -105,17 +102,19 @@ class Refinement:
         if self._is_cancelled:  # cancel() may have come before there was this render
             return
         render.start()
+        told = perf_counter()
         try:
             while not render.done:
                 for x, y, width, height in render.wait(WAIT_SECONDS):
                     pixels = render.read("Combined", x, y, width, height).reshape(height, width, 4)
                     yield (slice(y, y + height), slice(x, x + width)), pixels
                 self.progress = render.progress
+                if perf_counter() - told >= ESTIMATE_SECONDS:
+                    told, self.error_estimate = perf_counter(), render.estimated_error
+            self.progress, self.error_estimate = render.progress, render.estimated_error
         finally:
             render.cancel()
             render.finish()
-        if not self._is_cancelled:
-            self.error_estimate = render.statistics()["error_estimate"]["p99"]
 
 
 class Refiner:

@@ -12,11 +12,11 @@ from time import perf_counter
 
 import bpy
 
-from . import native, properties
+from . import native, properties, statistics
 from .export import ExportError, export_scene, is_shown
 from .export.view import View, view_of
 from .notes import Notes
-from .progressive import Refinement, Refiner
+from .progressive import STEPS, Refinement, Refiner
 
 POLL_SECONDS = 0.02
 REDRAW_SECONDS = 0.1
@@ -150,6 +150,15 @@ class Viewport:
             engine.tag_redraw()
         return None if is_over else POLL_SECONDS
 
+    @property
+    def status(self) -> str:
+        """How far the picture is, in words."""
+        now = self.refinement
+        if now is None:
+            return ""
+        done = statistics.progress_line(now.progress, now.error_estimate)
+        return f"Picture {max(now.step, 1)} of {STEPS}: {done}"
+
     def show_status(self) -> None:
         """The line in the view's corner."""
         engine, now = self._engine(), self.refinement
@@ -158,7 +167,7 @@ class Viewport:
             engine.update_stats("", f"Penumbra: {failure}")
             return
         notes = self._notes.texts
-        engine.update_stats(f"{len(notes)} notes, the last: {notes[-1]}" if notes else "", now.status if now else "")
+        engine.update_stats(f"{len(notes)} notes, the last: {notes[-1]}" if notes else "", self.status)
 
 
 def _poll(reference) -> float | None:

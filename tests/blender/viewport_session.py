@@ -52,7 +52,7 @@ def record(name: str, since: float) -> None:
     np.savez(FOLDER / f"{name}.npz", screen=screen, picture=np.zeros(0) if picture is None else picture)
     now = shown.refinement
     recorded[name] = {
-        "exports": shown.exports, "failure": shown.failure or now.failure, "status": now.status, "step": now.step,
+        "exports": shown.exports, "failure": shown.failure or now.failure, "status": shown.status, "step": now.step,
         "seconds_to_first_picture": now.seconds_to_first_picture, "seconds": perf_counter() - since,
         "size": [region.width, region.height],
     }  # fmt: skip
