@@ -167,7 +167,7 @@ class Viewport:
             engine.update_stats("", f"Penumbra: {failure}")
             return
         notes = self._notes.texts
-        engine.update_stats(f"{len(notes)} notes, the last: {notes[-1]}" if notes else "", self.status)
+        engine.update_stats(f"Notes: {len(notes)}, the last: {notes[-1]}" if notes else "", self.status)
 
 
 def _poll(reference) -> float | None:
