@@ -13,14 +13,9 @@ namespace {
 
 constexpr int kGateReach = 2, kFloodReach = 2, kPool = 2;
 
-/// Edges reach as many pixels as the filter does.
-int edge_reach(const PixelFilter& filter) {
-  return int(std::ceil(filter.support() / 2));
-}
-
 /// Pixels around a block that it looks at: what floods into it can come from so far away.
 uint32_t halo(const PixelFilter& filter) {
-  return uint32_t(kFloodReach + std::max(kGateReach, edge_reach(filter) + 1));
+  return uint32_t(kFloodReach + std::max(kGateReach, filter.reach() + 1));
 }
 
 /// Quantiles as in BoundedCalibration; smoothed standard error c s n^-0.65 of samples with standard deviation
@@ -74,21 +69,6 @@ class FilteredBlock {
   SamplePacket packet_;
   CentreLight centres_;
 };
-
-bool some_glossy(const Scene& scene) {
-  return std::ranges::any_of(scene.materials(), [](const Material& m) { return m.may_be_glossy(); });
-}
-
-FilteredFrame make_frame(const RenderContext& c, const Rectangle& area, const Block& block) {
-  const bool glossy = some_glossy(c.scene);
-  const uint32_t slots = uint32_t(c.luminaires.size()) * c.paths.length() * (glossy ? 2 : 1);
-  return {area,
-          block.width,
-          glossy,
-          slots,
-          std::vector<Slot>(size_t(block.pixels()) * slots),
-          std::vector<uint8_t>(block.pixels())};
-}
 
 FilteredBlock::FilteredBlock(const RenderContext& context, const Rectangle& core, RenderTally& tally)
     : c_(context),
@@ -228,7 +208,7 @@ void FilteredBlock::find_uncertain() {
     if (y + 1 < block_.height) edge = edge || edge_between(pixels_[p].first, pixels_[p + block_.width].first);
     edges[p] = edge;
   }
-  spread(edges, block_.width, block_.height, edge_reach(c_.filter));
+  spread(edges, block_.width, block_.height, c_.filter.reach());
   for (uint32_t p = 0; p < block_.pixels(); ++p) pixels_[p].uncertain = edges[p];
   std::vector<uint8_t> flags(block_.pixels());
 

@@ -2,6 +2,7 @@
 // The pixel filter, importance sampled: a uniform variate becomes an offset from the pixel's centre.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -17,6 +18,8 @@ class PixelFilter {
 
   /// Whole width in pixels of the square that offsets lie in.
   double support() const { return support_; }
+  /// Pixels to each side whose edges it sees.
+  int reach() const { return int(std::ceil(support_ / 2)); }
   /// Second moment of the offsets along one axis, pixels squared.
   double variance() const { return variance_; }
 

@@ -15,6 +15,18 @@ constexpr double kDropShare = 0.125;
 
 }  // namespace
 
+FilteredFrame make_frame(const RenderContext& c, const Rectangle& area, const Block& block) {
+  const bool glossy =
+      std::ranges::any_of(c.scene.materials(), [](const Material& m) { return m.may_be_glossy(); });
+  const uint32_t slots = uint32_t(c.luminaires.size()) * c.paths.length() * (glossy ? 2 : 1);
+  return {area,
+          block.width,
+          glossy,
+          slots,
+          std::vector<Slot>(size_t(block.pixels()) * slots),
+          std::vector<uint8_t>(block.pixels())};
+}
+
 SamplePacket::SamplePacket(const RenderContext& context, const FilteredFrame& frame, RenderTally& tally)
     : c_(context),
       frame_(frame),

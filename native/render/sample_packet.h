@@ -40,6 +40,9 @@ struct FilteredFrame {
   }
 };
 
+/// Empty slots for the pixels of a block.
+FilteredFrame make_frame(const RenderContext& context, const Rectangle& area, const Block& block);
+
 class SamplePacket {
  public:
   SamplePacket(const RenderContext& context, const FilteredFrame& frame, RenderTally& tally);
