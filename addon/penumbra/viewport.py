@@ -37,10 +37,14 @@ def of_engine(engine) -> "Viewport":
 
 def content_changed(depsgraph) -> bool:
     """Whether the last update of the depsgraph was of anything but cameras, selections and the scene's settings."""
-    for update in depsgraph.updates:
+    updates = list(depsgraph.updates)
+    # Blender 4 tags the shading of all objects along with a scene whose settings change.
+    is_scenes = any(isinstance(update.id, bpy.types.Scene) and update.is_updated_shading for update in updates)
+    for update in updates:
         changed = update.id
         if isinstance(changed, bpy.types.Object):
-            is_touched = update.is_updated_geometry or update.is_updated_transform or update.is_updated_shading
+            is_shaded = update.is_updated_shading and not is_scenes
+            is_touched = update.is_updated_geometry or update.is_updated_transform or is_shaded
             if is_touched and changed.type != "CAMERA":
                 return True
         elif not isinstance(changed, bpy.types.Scene | bpy.types.Camera):
