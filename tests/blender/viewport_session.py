@@ -194,5 +194,6 @@ def go_on():
     return None
 
 
+bpy.context.preferences.view.show_splash = False  # Blender 4 greets whoever has no settings yet, files or not
 steps = session()
 bpy.app.timers.register(go_on)
