@@ -11,9 +11,9 @@ namespace penumbra {
 /// Calibrated constants; how they were found: tests/benchmarks/README.md.
 struct BoundedCalibration {
   /// Quantile that stopping tests, in units of the estimated standard error: about 99 % of the pixels.
-  double stop = 3.0;
+  double stop = 2.85;
   /// Quantile of the Error Estimate pass: 95 %.
-  double report = 2.1;
+  double report = 2.2;
   /// What an item's error is before its neighbours are asked, the smoothed standard error
   /// c G sqrt(p (1 - p)) n^-3/4 (G: the unshadowed value, p: the visible fraction), and how many neighbours
   /// that counts as.
