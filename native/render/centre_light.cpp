@@ -148,7 +148,7 @@ std::vector<uint32_t> CentreLight::keep_smooth(std::span<const uint32_t> pixels,
       error += std::max(filter_error(p, pair, tile) - noise, 0.0);
     }
     (error > kFilterShare * settings_.tolerance ? bent : kept).push_back(p);
-    if (!first) light_[p].error += error;
+    if (!first) light_[p].error = std::hypot(light_[p].error, error);
   }
   for (uint32_t p : bent) frame_.edge[p] = 1;
   return kept;
