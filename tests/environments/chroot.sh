@@ -5,6 +5,7 @@
 # command, so that nothing stays mounted, whatever ends it.
 
 cache=${PENUMBRA_CACHE:-${XDG_CACHE_HOME:-$HOME/.cache}/penumbra}
+inside=/srv  # the home of whoever works in a chroot, and the folder of what is tested there
 days_until_stale=14  # sid moves on: what is older is made anew
 
 # The sentence why no chroot can be made here, or nothing.
@@ -36,7 +37,7 @@ enter() {
   mapfile -t variables < <(env | grep -E '^(CI|CXXFLAGS|PIP_(CERT|DEFAULT_TIMEOUT|INDEX_URL)|[a-z]+_proxy|[A-Z]+_PROXY)=')
   unshare --mount --pid --fork --kill-child bash -c '
     mount -t proc proc "$0/proc" && mount --rbind /dev "$0/dev" && exec chroot "$0" "$@"' \
-    "$root" /usr/bin/env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LANG=C.UTF-8 DEBIAN_FRONTEND=noninteractive \
+    "$root" /usr/bin/env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME="$inside" LANG=C.UTF-8 DEBIAN_FRONTEND=noninteractive \
     "${variables[@]}" "$@" </dev/null
 }
 

@@ -23,7 +23,7 @@ declare -A command=(
   [bookworm]="bash tests/run.sh --quick"
   [trixie]="bash tests/run.sh --quick"
   [sid]="bash tests/run.sh --quick"
-  [bpy]="bash tests/environments/bpy.sh 5.2.* /root/headers"
+  [bpy]="bash tests/environments/bpy.sh 5.2.* $inside/headers"
   [arm64]="bash tests/environments/arm64.sh"
 )
 
@@ -35,21 +35,21 @@ prepare() {
   fi
   # bpy lives in trixie, for its Python; the libraries it brings are of the versions that sid has headers of.
   prepare trixie && prepare sid &&
-    rm -rf "$2/root/headers" && mkdir -p "$2/root/headers" &&
-    cp -r "$cache/sid/usr/include/"{embree4,OpenImageIO,Imath} "$2/root/headers/"
+    rm -rf "$2$inside/headers" && mkdir -p "$2$inside/headers" &&
+    cp -r "$cache/sid/usr/include/"{embree4,OpenImageIO,Imath} "$2$inside/headers/"
 }
 
 pictures=$repository/build/pictures
 
 # run NAME ROOT: its tests, and its picture of the example scene.
 run() {
-  local sources=$2/root/penumbra program="blender -b --factory-startup --python-exit-code 1 -P"
-  [[ $1 != bpy ]] || program=/root/.cache/penumbra/bpy/bin/python
+  local sources=$2$inside/penumbra program="blender -b --factory-startup --python-exit-code 1 -P"
+  [[ $1 != bpy ]] || program=$inside/.cache/penumbra/bpy/bin/python
   copy_sources "$repository" "$sources" &&
-    enter "$2" env --chdir=/root/penumbra CMAKE_CXX_COMPILER_LAUNCHER=ccache ${command[$1]} || return
+    enter "$2" env --chdir="$inside/penumbra" CMAKE_CXX_COMPILER_LAUNCHER=ccache ${command[$1]} || return
   [[ $1 != arm64 && -e $repository/examples/four_objects.blend ]] || return 0
   cp "$repository/examples/four_objects.blend" "$sources/examples/" &&
-    enter "$2" env --chdir=/root/penumbra $program tests/environments/picture.py -- "build/pictures/$1" &&
+    enter "$2" env --chdir="$inside/penumbra" $program tests/environments/picture.py -- "build/pictures/$1" &&
     mkdir -p "$pictures" && cp -r "$sources/build/pictures/$1" "$pictures/"
 }
 
