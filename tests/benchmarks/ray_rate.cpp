@@ -19,12 +19,6 @@ namespace {
 
 constexpr uint32_t kPoints = 64;
 
-double cpu_seconds() {
-  timespec t;
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
-}
-
 /// The rays of one pixel, as the render traces them.
 struct PixelRays {
   Vec3f origin;
@@ -101,7 +95,7 @@ Count trace_raw(RTCScene scene, const std::vector<PixelRays>& all) {
       std::memcpy(packet.dir_x, rays.x + p * kPacket, sizeof(packet.dir_x));
       std::memcpy(packet.dir_y, rays.y + p * kPacket, sizeof(packet.dir_y));
       std::memcpy(packet.dir_z, rays.z + p * kPacket, sizeof(packet.dir_z));
-      embree::occluded16(valid, scene, packet);
+      embree::occluded16(valid, scene, packet, nullptr);
       uint32_t hit = 0;
       for (uint32_t k = 0; k < kPacket; ++k) hit |= uint32_t(packet.tfar[k] < 0) << k;
       count.rays += std::popcount(active);
@@ -131,7 +125,7 @@ void measure(const NamedScene& named, uint32_t width, int rounds, bool csv) {
     raw.push_back(double(raw_rays) / (cpu_seconds() - begin) / 1e6);
 
     begin = cpu_seconds();
-    Renderer renderer(scene, geometry, settings);
+    Renderer renderer(scene, geometry, std::make_shared<Materials>(scene), settings);
     renderer.start();
     renderer.finish();
     whole_rays = renderer.statistics().tally.light.shadow_rays;

@@ -2,6 +2,7 @@
 #include "scenes.h"
 
 #include <cmath>
+#include <ctime>
 #include <numbers>
 
 #include "sampling/hash.h"
@@ -110,7 +111,10 @@ void look(Scene& scene, const Vec3d& eye, const Vec3d& target) {
 
 Scene stage(double floor, double light_height, double light_side) {
   Scene scene;
-  scene.add_material({"grey", {0.7, 0.7, 0.7}, {}, {}, 0});
+  Material grey;
+  grey.name = "grey";
+  grey.diffuse = {0.7, 0.7, 0.7};
+  scene.add_material(grey);
   scene.add_instance({"floor", scene.add_mesh(plane(floor)), {}, {0}});
   const double radiance = light_height * light_height / (light_side * light_side);
   scene.add_luminaire({"light",
@@ -127,6 +131,10 @@ void add(Scene& scene, Mesh mesh, const Affine& world_from_object) {
   const std::string name = mesh.name;
   const uint32_t id = scene.add_mesh(std::move(mesh));
   scene.add_instance({name, id, world_from_object, {0}});
+}
+
+Scene open_floor() {
+  return stage(20, 6, 2);
 }
 
 Scene sphere_on_floor() {
@@ -163,11 +171,18 @@ Scene field(bool instanced) {
 }  // namespace
 
 const std::vector<NamedScene>& scenes() {
-  static const std::vector<NamedScene> list{{"sphere on floor", sphere_on_floor},
+  static const std::vector<NamedScene> list{{"open floor", open_floor},
+                                            {"sphere on floor", sphere_on_floor},
                                             {"four objects", four_objects},
                                             {"plants, 1 M triangles", [] { return field(false); }},
                                             {"plants, instanced", [] { return field(true); }}};
   return list;
+}
+
+double cpu_seconds() {
+  timespec t;
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
 }
 
 }  // namespace penumbra::benchmark

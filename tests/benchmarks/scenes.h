@@ -15,8 +15,11 @@ struct NamedScene {
   Scene (*make)();
 };
 
-/// Sphere on a floor (5k triangles), four objects (14k), a field of spheres and leaves (1 M), and the same
+/// A floor alone, a sphere on a floor (5k triangles), four objects (14k), a field of spheres and leaves (1 M), and the same
 /// field as 2000 instances.
 const std::vector<NamedScene>& scenes();
+
+/// Of this process, all threads.
+double cpu_seconds();
 
 }  // namespace penumbra::benchmark
