@@ -90,6 +90,7 @@ class BlockLight {
 
 void BlockLight::find_items() {
   for (uint32_t p = 0; p < points_.size(); ++p) {
+    tally_.stop_if_cancelled();
     const LitPoint& lit = points_[p];
     for (uint32_t l = 0; l < luminaires_.size(); ++l) {
       const Luminaire& luminaire = luminaires_[l];

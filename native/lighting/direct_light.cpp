@@ -57,6 +57,7 @@ DirectLight::Estimate DirectLight::from(const Luminaire& luminaire, const Shadin
   bool done = false;
   uint32_t until_check = rule.next_check(0);
   for (uint32_t first = 0; first < limit && !done; first += step) {
+    tally.stop_if_cancelled();
     const uint32_t used = std::min(step, limit - first);
     const uint32_t generated = (used + kPacket - 1) / kPacket * kPacket;
     sampler_.points(key, first, generated, u, v);

@@ -76,6 +76,7 @@ Vec3d ItemSampler::unshadowed_glossy(const ShadingPoint& point, const Vec3d& arr
 }
 
 void ItemSampler::look(BoundedItem& item, LightTally& tally) const {
+  tally.stop_if_cancelled();
   alignas(64) float u[kPacket], v[kPacket];
   alignas(64) int traced[kPacket];
   LightPoints points;
@@ -105,6 +106,7 @@ void ItemSampler::advance(BoundedItem& item, uint32_t target, LightTally& tally)
   alignas(64) int traced[kPacket] = {};
   LightPoints points;
   for (; item.count < target; item.count += kPacket) {
+    tally.stop_if_cancelled();
     sampler_.points(key(item), item.count, kPacket, u, v);
     luminaire.evaluate(lit.surface, u, v, kPacket, points);
     float* f = points.form_factor;

@@ -2,6 +2,7 @@
 // From surface points to light: what every way of lighting takes and gives.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -47,6 +48,9 @@ struct PixelLight {
   bool at_limit = false;  // some luminaire used max_light_samples without satisfying its rule
 };
 
+/// Thrown out of a block whose render was cancelled: nothing of it reaches the film.
+struct Cancelled {};
+
 /// What lighting did, in numbers.
 struct LightTally {
   uint64_t light_points = 0;             // used in an estimate
@@ -54,6 +58,13 @@ struct LightTally {
   uint64_t shadow_rays_beyond_stop = 0;  // traced with a packet whose earlier points were enough
   uint64_t decided_without_ray = 0;      // pairs of surface point and luminaire
   PixelTrace* trace = nullptr;           // told of one pixel, if there is one
+  /// Set by whoever no longer wants the picture.
+  const std::atomic<bool>* cancelled = nullptr;
+
+  /// Called once a packet of rays or so, by every loop that an extreme setting makes long.
+  void stop_if_cancelled() const {
+    if (cancelled && cancelled->load(std::memory_order_relaxed)) throw Cancelled{};
+  }
 
   LightTally& operator+=(const LightTally& o) {
     light_points += o.light_points;

@@ -194,7 +194,7 @@ setting. Building the acceleration structure happens here, once a scene; Runtime
           "origin, in the region.")
       .def(
           "cancel", [](PythonRender& self) { self.renderer().cancel(); },
-          "Asks the threads to stop after their tile.")
+          "Asks the threads to stop, which they do within milliseconds; blocks under way are not kept.")
       .def(
           "finish", [](PythonRender& self) { self.renderer().finish(); }, Released(),
           "Waits for the threads. Raises what failed in one of them. May be called again.")
@@ -210,8 +210,9 @@ setting. Building the acceleration structure happens here, once a scene; Runtime
           "progress", [](PythonRender& self) { return self.renderer().progress(); }, "0 ... 1")
       .def_property_readonly(
           "estimated_error", [](PythonRender& self) { return self.renderer().estimated_error(); },
-          "99th percentile of the error estimates of the pixels finished so far, display units; 0 before the "
-          "first. Finished are those that wait() has told of, or will next.")
+          "99th percentile of the error estimates of the pixels finished so far, display units, at most 1/32 "
+          "of "
+          "it too large; 0 before the first. Finished are those that wait() has told of, or will next.")
       .def("read", &PythonRender::read, py::arg("name"), py::arg("x"), py::arg("y"), py::arg("width"),
            py::arg("height"),
            "A block of a pass: (height * width, channels) float32, bottom row first, a copy.")

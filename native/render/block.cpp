@@ -78,6 +78,7 @@ void BlockRenderer::trace(uint32_t s) {
   for (uint32_t y = area_.y / kSide * kSide; y < area_.y + area_.height; y += kSide) {
     for (uint32_t x = area_.x / kSide * kSide; x < area_.x + area_.width; x += kSide) {
       for (uint32_t i = 0; i < kPacket; ++i) rays[i] = primary_ray(x + i % kSide, y + i / kSide, s);
+      tally_.light.stop_if_cancelled();
       c_.geometry.intersect(rays, 0xFFFF, hits);
       for (uint32_t i = 0; i < kPacket; ++i) {
         const uint32_t bx = x + i % kSide - area_.x, by = y + i / kSide - area_.y;  // wraps below the area
@@ -142,7 +143,7 @@ void BlockRenderer::write() {
 }  // namespace
 
 RenderTally::RenderTally(const Counts& c, std::string first_non_finite_pixel)
-    : light{c[0], c[1], c[2], c[3], nullptr},
+    : light{c[0], c[1], c[2], c[3], nullptr, nullptr},
       primary_rays(c[4]),
       mirror_rays(c[5]),
       pixels_at_limit(c[6]),

@@ -207,9 +207,12 @@ void Renderer::work() {
     Bucket& bucket = *buckets_[work_[i].first];
     const Rectangle& block = bucket.blocks[work_[i].second];
     RenderTally tally;
+    tally.light.cancelled = &cancelled_;
     const CrashNote note(block);
     try {
       block_renderer()(context, block, tally);
+    } catch (const Cancelled&) {
+      return;
     } catch (const std::bad_alloc&) {
       throw;
     } catch (const std::exception& error) {
@@ -236,8 +239,13 @@ void Renderer::finish_block(Bucket& bucket, const RenderTally& tally) {
 
 /// Tells whoever waits of a finished bucket, relative to the region.
 void Renderer::report(const Bucket& bucket) {
-  const Rectangle& area = bucket.area;
-  finished_.push_back({area.x - settings_.region.x, area.y - settings_.region.y, area.width, area.height});
+  const Rectangle area{bucket.area.x - settings_.region.x, bucket.area.y - settings_.region.y,
+                       bucket.area.width, bucket.area.height};
+  const std::vector<float>& errors = film_.pass("Error Estimate");
+  for (uint32_t y = area.y; y < area.y + area.height; ++y)
+    for (uint32_t x = area.x; x < area.x + area.width; ++x)
+      finished_errors_.add(errors[size_t(y) * settings_.region.width + x]);
+  finished_.push_back(area);
 }
 
 std::vector<Rectangle> Renderer::wait(double seconds) {
@@ -258,20 +266,8 @@ double Renderer::progress() const {
 }
 
 double Renderer::estimated_error() const {
-  std::vector<Rectangle> finished;
-  {
-    const std::lock_guard lock(mutex_);
-    for (const auto& bucket : buckets_)
-      if (bucket->blocks_left == 0) finished.push_back(bucket->area);
-  }
-  const std::vector<float>& all = film_.pass("Error Estimate");
-  std::vector<float> errors;
-  for (const Rectangle& area : finished)
-    for (uint32_t y = area.y - settings_.region.y; y < area.y - settings_.region.y + area.height; ++y) {
-      const auto row = all.begin() + std::ptrdiff_t(y) * settings_.region.width + area.x - settings_.region.x;
-      errors.insert(errors.end(), row, row + area.width);
-    }
-  return errors.empty() ? 0 : *percentile_99(errors);
+  const std::lock_guard lock(mutex_);
+  return finished_errors_.quantile(0.99);
 }
 
 void Renderer::finish() {

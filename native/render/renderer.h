@@ -11,6 +11,7 @@
 
 #include "render/block.h"
 #include "render/checkpoint.h"
+#include "render/error_histogram.h"
 
 namespace penumbra {
 
@@ -99,6 +100,7 @@ class Renderer {
   bool started_ = false;
   std::condition_variable changed_;
   std::vector<Rectangle> finished_;
+  ErrorHistogram finished_errors_;
   std::exception_ptr failure_;
 
   std::vector<std::thread> threads_;

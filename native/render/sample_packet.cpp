@@ -46,6 +46,7 @@ uint64_t SamplePacket::frame_pixel(uint32_t p) const {
 }
 
 void SamplePacket::trace(std::span<const SampleRun> runs) {
+  tally_.light.stop_if_cancelled();
   find_points(runs);
   contributions_.clear();
   visible_.clear();

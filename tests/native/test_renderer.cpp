@@ -3,7 +3,9 @@
 // too.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
+#include <limits>
 #include <random>
 #include <thread>
 
@@ -137,6 +139,24 @@ TEST_P(Renders, MemoryLimitIsAnErrorThatSaysSo) {
     FAIL() << "512 x 512 pixels of Combined and Error Estimate are 5 MiB";
   } catch (const std::bad_alloc& error) {
     EXPECT_NE(std::string(error.what()).find("memory_limit of 1 MiB"), std::string::npos) << error.what();
+  }
+}
+
+/// Against the sorted values: at most 1/32 above, never below.
+TEST(ErrorHistogram, TellsQuantiles) {
+  std::mt19937 random(7);
+  std::lognormal_distribution<float> errors(-6, 3);
+  ErrorHistogram histogram;
+  EXPECT_EQ(histogram.quantile(0.99), 0);
+  std::vector<float> values(100, 0.0f);
+  for (int i = 0; i < 10000; ++i) values.push_back(errors(random));
+  values.push_back(std::numeric_limits<float>::max());
+  for (float value : values) histogram.add(value);
+  std::sort(values.begin(), values.end());
+  for (double share : {0.0, 0.005, 0.5, 0.99, 1.0}) {
+    const double exact = values[size_t(double(values.size() - 1) * share)], told = histogram.quantile(share);
+    EXPECT_GE(told, exact);
+    EXPECT_LE(told, exact * (1 + 1.0 / 32));
   }
 }
 

@@ -8,7 +8,7 @@ import threading
 import numpy as np
 import penumbra_native as pn
 import pytest
-from scenes import light_above, lit_floor, render
+from scenes import add, light_above, lit_floor, parallelogram, render
 
 # 2^36 shadow rays: a quarter of an hour. One tile of 8 x 8 pixels: a tenth of a second.
 ENDLESS = {"width": 1024, "height": 1024, "stop_rule": "FIXED", "light_samples": 2**16, "threads": 2}
@@ -32,6 +32,36 @@ def test_cancel(when):
     assert job.statistics()["primary_rays"] < 0.5 * 1024 * 1024
     job.finish()  # twice is fine
     assert (render(scene, 16).passes["Combined"] == expected).all()
+
+
+# One block, of which the first look is done at once and what follows takes many minutes.
+LONG_BLOCKS = {
+    "bounded": {"stop_rule": "BOUNDED", "error_tolerance": 1e-9, "max_light_samples": 2**24},
+    "bounded antialiased": {
+        "stop_rule": "BOUNDED", "error_tolerance": 1e-9, "pixel_samples": 64, "max_pixel_samples": 2**24,
+        "max_light_samples": 2**24,
+    },
+    "fixed": {"stop_rule": "FIXED", "light_samples": 2**24},
+    "paper": {"stop_rule": "PAPER", "error_tolerance": 1e-30, "max_light_samples": 2**24},
+    "pixel samples": {"stop_rule": "FIXED", "light_samples": 16, "pixel_samples": 2**20},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", LONG_BLOCKS)
+def test_cancel_inside_a_block(name):
+    """The picture is one block: cancelled it ends at once, nothing of it is written, and the next render is right."""
+    scene = lit_floor()
+    add(scene, "blocker", parallelogram([-0.5, -0.5, 1], [1, 0, 0], [0, 1, 0]))
+    job = pn.Render(scene, {"width": 64, "height": 64, "threads": 1, **LONG_BLOCKS[name]})
+    job.start()
+    assert job.wait(0.2) == []
+    job.cancel()
+    job.finish()
+    assert job.done and (job.passes()["Combined"] == 0).all()
+    again = {"width": 16, "stop_rule": "FIXED"}
+    other = lit_floor()
+    add(other, "blocker", parallelogram([-0.5, -0.5, 1], [1, 0, 0], [0, 1, 0]))
+    assert (render(scene, **again).red == render(other, **again).red).all()
 
 
 def test_dropping_a_running_render():
