@@ -22,7 +22,7 @@ enum Seen : uint8_t { kLit = 1, kDark = 2 };
 /// The light of one block, step by step.
 class BlockLight {
  public:
-  BlockLight(const Block& block, const Geometry& geometry, const std::vector<Luminaire>& luminaires,
+  BlockLight(const Block& block, const Geometry& geometry, std::span<const Luminaire> luminaires,
              const Sampler& sampler, const BoundedSettings& settings, const std::vector<LitPoint>& points,
              std::vector<PixelLight>& out, LightTally& tally)
       : block_(block),
@@ -78,7 +78,7 @@ class BlockLight {
   void refine_tiles();
 
   const Block& block_;
-  const std::vector<Luminaire>& luminaires_;
+  std::span<const Luminaire> luminaires_;
   const BoundedSettings& settings_;
   const std::vector<LitPoint>& points_;
   std::vector<PixelLight>& out_;
@@ -225,9 +225,10 @@ uint32_t BoundedLight::halo() const {
   return kHalo;
 }
 
-void BoundedLight::light(const Block& block, const std::vector<LitPoint>& points,
-                         std::vector<PixelLight>& out, LightTally& tally) const {
-  BlockLight(block, geometry_, luminaires_, sampler_, settings_, points, out, tally).run();
+void BoundedLight::light(const Block& block, std::span<const Luminaire> luminaires,
+                         const std::vector<LitPoint>& points, std::vector<PixelLight>& out,
+                         LightTally& tally) const {
+  BlockLight(block, geometry_, luminaires, sampler_, settings_, points, out, tally).run();
 }
 
 }  // namespace penumbra

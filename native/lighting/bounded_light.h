@@ -20,19 +20,17 @@ class BoundedLight final : public Lighting {
  public:
   /// `sampler` must be Owen-scrambled per stream, with max_light_samples points: the error estimate rests on
   /// it.
-  BoundedLight(const Geometry& geometry, std::vector<Luminaire> luminaires, const Sampler& sampler,
-               const BoundedSettings& settings)
-      : geometry_(geometry), luminaires_(std::move(luminaires)), sampler_(sampler), settings_(settings) {}
+  BoundedLight(const Geometry& geometry, const Sampler& sampler, const BoundedSettings& settings)
+      : geometry_(geometry), sampler_(sampler), settings_(settings) {}
 
   uint32_t block_side() const override { return 64; }
   /// The gate's reach and the flood's.
   uint32_t halo() const override;
-  void light(const Block& block, const std::vector<LitPoint>& points, std::vector<PixelLight>& out,
-             LightTally& tally) const override;
+  void light(const Block& block, std::span<const Luminaire> luminaires, const std::vector<LitPoint>& points,
+             std::vector<PixelLight>& out, LightTally& tally) const override;
 
  private:
   const Geometry& geometry_;
-  std::vector<Luminaire> luminaires_;
   const Sampler& sampler_;
   BoundedSettings settings_;
 };

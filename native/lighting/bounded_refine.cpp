@@ -13,25 +13,49 @@ constexpr int kPool = 2;
 
 }  // namespace
 
+TileItems::TileItems(const std::vector<BoundedItem*>& items, const std::vector<LitPoint>& points,
+                     const Block& block)
+    : points_(points), block_(block) {
+  for (const BoundedItem* item : items)
+    if (slots_.empty() || slots_.back() != slot(*item)) slots_.push_back(slot(*item));
+  std::sort(slots_.begin(), slots_.end());
+  slots_.erase(std::unique(slots_.begin(), slots_.end()), slots_.end());
+  places_.resize(slots_.size() * kTile * kTile);
+  for (BoundedItem* item : items) {
+    const auto s = size_t(std::lower_bound(slots_.begin(), slots_.end(), slot(*item)) - slots_.begin());
+    const Place at = place(*item);
+    places_[(s * kTile + size_t(at.y)) * kTile + size_t(at.x)] = item;
+  }
+}
+
+TileItems::Place TileItems::place(const BoundedItem& item) const {
+  const uint32_t p = points_[item.point].pixel;
+  return {int((p % block_.width - block_.core_x) % kTile), int((p / block_.width - block_.core_y) % kTile)};
+}
+
+template <typename Function>
+void TileItems::for_neighbours(const BoundedItem& item, int reach, Function function) const {
+  const auto s = size_t(std::lower_bound(slots_.begin(), slots_.end(), slot(item)) - slots_.begin());
+  const Place at = place(item);
+  for (int y = std::max(at.y - reach, 0); y <= std::min(at.y + reach, int(kTile) - 1); ++y)
+    for (int x = std::max(at.x - reach, 0); x <= std::min(at.x + reach, int(kTile) - 1); ++x)
+      if (const BoundedItem* other = places_[(s * kTile + size_t(y)) * kTile + size_t(x)]) function(*other);
+}
+
 TileRefiner::TileRefiner(const ItemSampler& sampler, const std::vector<LitPoint>& points, const Block& block,
                          const BoundedSettings& settings)
     : sampler_(sampler), points_(points), block_(block), settings_(settings) {}
 
-double TileRefiner::error(const BoundedItem& item, const std::vector<BoundedItem*>& items) const {
+double TileRefiner::error(const BoundedItem& item, const TileItems& items) const {
   const double n = item.count, p = (item.lit + 1.0) / (item.facing + 2.0);
   const double smoothed = calibration_.smoothed * item.size() * std::sqrt(p * (1 - p)) * std::pow(n, -0.75);
-  const LitPoint& at = points_[item.point];
-  const int x = int(at.pixel % block_.width), y = int(at.pixel / block_.width);
   double sum = 0;
   int count = 0;
-  for (const BoundedItem* other : items) {
-    const LitPoint& there = points_[other->point];
-    if (other->luminaire != item.luminaire || there.bounce != at.bounce || other->count < 16) continue;
-    const int dx = int(there.pixel % block_.width) - x, dy = int(there.pixel / block_.width) - y;
-    if (std::abs(dx) > kPool || std::abs(dy) > kPool) continue;
-    sum += other->variance * std::pow(other->count / n, 1.5);
+  items.for_neighbours(item, kPool, [&](const BoundedItem& other) {
+    if (other.count < 16) return;
+    sum += other.variance * std::pow(other.count / n, 1.5);
     ++count;
-  }
+  });
   return std::sqrt((calibration_.prior_weight * smoothed * smoothed + sum) /
                    (calibration_.prior_weight + count));
 }
@@ -43,6 +67,7 @@ void TileRefiner::refine(std::vector<BoundedItem*>& items, std::vector<PixelLigh
     by_pixel[points_[item->point].pixel].push_back(item);
     if (item->count == 0) sampler_.advance(*item, next_level(0), tally);
   }
+  const TileItems tile(items, points_, block_);
   std::vector<std::pair<BoundedItem*, double>> errors;
   bool again = true;
   while (again) {
@@ -54,7 +79,7 @@ void TileRefiner::refine(std::vector<BoundedItem*>& items, std::vector<PixelLigh
       Vec3d radiance = pixels[pixel].radiance;
       errors.clear();
       for (BoundedItem* item : own) {
-        const double e = error(*item, items);
+        const double e = error(*item, tile);
         errors.emplace_back(item, e);
         variance += e * e;
         radiance += item->radiance();

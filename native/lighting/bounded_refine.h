@@ -20,6 +20,30 @@ struct BoundedCalibration {
   double smoothed = 1.2, prior_weight = 6.0;
 };
 
+/// A tile's items by slot (bounce and luminaire) and place, so that neighbours are found without a search.
+class TileItems {
+ public:
+  TileItems(const std::vector<BoundedItem*>& items, const std::vector<LitPoint>& points, const Block& block);
+
+  /// Calls function with those of an item's slot at most `reach` pixels away in x and y, row by row.
+  template <typename Function>
+  void for_neighbours(const BoundedItem& item, int reach, Function function) const;
+
+ private:
+  struct Place {
+    int x, y;  // in the tile
+  };
+  Place place(const BoundedItem& item) const;
+  uint64_t slot(const BoundedItem& item) const {
+    return uint64_t(points_[item.point].bounce) << 32 | item.luminaire;
+  }
+
+  const std::vector<LitPoint>& points_;
+  const Block& block_;
+  std::vector<uint64_t> slots_;       // sorted
+  std::vector<BoundedItem*> places_;  // by slot, row and column; null where there is none
+};
+
 /// The uncertain items of one tile, with their places, and what else its pixels have.
 class TileRefiner {
  public:
@@ -31,7 +55,7 @@ class TileRefiner {
   void refine(std::vector<BoundedItem*>& items, std::vector<PixelLight>& pixels, LightTally& tally) const;
 
  private:
-  double error(const BoundedItem& item, const std::vector<BoundedItem*>& items) const;
+  double error(const BoundedItem& item, const TileItems& items) const;
 
   const ItemSampler& sampler_;
   const std::vector<LitPoint>& points_;

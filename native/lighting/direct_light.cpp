@@ -11,15 +11,16 @@ namespace penumbra {
 
 /// Error: twice the standard error of independent points, the largest of r, g, b; for points more even than
 /// independent ones the true error is smaller.
-void DirectLight::light(const Block& block, const std::vector<LitPoint>& points, std::vector<PixelLight>& out,
+void DirectLight::light(const Block& block, std::span<const Luminaire> luminaires,
+                        const std::vector<LitPoint>& points, std::vector<PixelLight>& out,
                         LightTally& tally) const {
   std::vector<Vec3d> variance(block.pixels());
   for (const LitPoint& lit : points) {
     const ShadingPoint point(lit.surface, *lit.material, lit.ray_direction);
     PixelLight& pixel = out[lit.pixel];
-    for (size_t i = 0; i < luminaires_.size(); ++i) {
-      const uint64_t index = lit.stream * luminaires_.size() + i;
-      const Estimate one = from(luminaires_[i], point, {index, hash_of(index)}, tally);
+    for (size_t i = 0; i < luminaires.size(); ++i) {
+      const uint64_t index = lit.stream * luminaires.size() + i;
+      const Estimate one = from(luminaires[i], point, {index, hash_of(index)}, tally);
       pixel.radiance += lit.throughput * one.radiance;
       pixel.points += one.points;
       pixel.at_limit = pixel.at_limit || one.at_limit;

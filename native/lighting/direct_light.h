@@ -10,18 +10,14 @@ namespace penumbra {
 class DirectLight final : public Lighting {
  public:
   /// display_scale: display value = radiance x this.
-  DirectLight(const Geometry& geometry, std::vector<Luminaire> luminaires, const Sampler& sampler,
-              const StopSettings& stop, double display_scale)
-      : geometry_(geometry),
-        luminaires_(std::move(luminaires)),
-        sampler_(sampler),
-        stop_(stop),
-        display_scale_(display_scale) {}
+  DirectLight(const Geometry& geometry, const Sampler& sampler, const StopSettings& stop,
+              double display_scale)
+      : geometry_(geometry), sampler_(sampler), stop_(stop), display_scale_(display_scale) {}
 
   uint32_t block_side() const override { return kTile; }
   uint32_t halo() const override { return 0; }
-  void light(const Block& block, const std::vector<LitPoint>& points, std::vector<PixelLight>& out,
-             LightTally& tally) const override;
+  void light(const Block& block, std::span<const Luminaire> luminaires, const std::vector<LitPoint>& points,
+             std::vector<PixelLight>& out, LightTally& tally) const override;
 
  private:
   /// Reflected radiance towards the viewer and the sample variance of its estimate, r, g, b.
@@ -34,7 +30,6 @@ class DirectLight final : public Lighting {
                 LightTally& tally) const;
 
   const Geometry& geometry_;
-  std::vector<Luminaire> luminaires_;
   const Sampler& sampler_;
   StopSettings stop_;
   double display_scale_;

@@ -2,6 +2,7 @@
 // Points on a luminaire for one surface point: first a look, then as many as its error needs.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "lighting/bounded_item.h"
@@ -10,7 +11,7 @@ namespace penumbra {
 
 class ItemSampler {
  public:
-  ItemSampler(const Geometry& geometry, const std::vector<Luminaire>& luminaires, const Sampler& sampler,
+  ItemSampler(const Geometry& geometry, std::span<const Luminaire> luminaires, const Sampler& sampler,
               const std::vector<LitPoint>& points, const BoundedSettings& settings)
       : geometry_(geometry),
         luminaires_(luminaires),
@@ -33,7 +34,7 @@ class ItemSampler {
                           const StreamKey& key) const;
 
   const Geometry& geometry_;
-  const std::vector<Luminaire>& luminaires_;
+  std::span<const Luminaire> luminaires_;
   const Sampler& sampler_;
   const std::vector<LitPoint>& points_;
   const BoundedSettings& settings_;

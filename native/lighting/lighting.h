@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "lighting/pixel_trace.h"
@@ -84,8 +85,10 @@ class Lighting {
   virtual uint32_t block_side() const = 0;
   virtual uint32_t halo() const = 0;
 
-  /// Direct light of all points, added up for each pixel of the block; `out` has block.pixels() elements.
-  virtual void light(const Block& block, const std::vector<LitPoint>& points, std::vector<PixelLight>& out,
+  /// Direct light of all points from some luminaires, added up for each pixel of the block; `out` has
+  /// block.pixels() elements.
+  virtual void light(const Block& block, std::span<const Luminaire> luminaires,
+                     const std::vector<LitPoint>& points, std::vector<PixelLight>& out,
                      LightTally& tally) const = 0;
 };
 

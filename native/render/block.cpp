@@ -31,7 +31,7 @@ class BlockRenderer {
     for (uint32_t s = 0; s < c_.settings.pixel_samples; ++s) {
       trace(s);
       std::vector<PixelLight> light(block_.pixels());
-      c_.lighting.light(block_, points_, light, tally_.light);
+      c_.lighting.light(block_, c_.luminaires, points_, light, tally_.light);
       for (uint32_t i = 0; i < block_.pixels(); ++i) add_light(pixels_[i], light[i]);
     }
     write();

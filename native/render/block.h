@@ -20,7 +20,7 @@ struct RenderContext {
   const Geometry& geometry;
   const CameraRays& camera;
   const PathTracer& paths;
-  const std::vector<Luminaire>& luminaires;
+  std::span<const Luminaire> luminaires;
   const Lighting& lighting;
   const Sampler& light_sampler;
   const PixelFilter& filter;

@@ -56,15 +56,14 @@ std::vector<Luminaire> emitting_luminaires(const Scene& scene, const Normalizati
   return luminaires;
 }
 
-std::unique_ptr<Lighting> make_lighting(const Geometry& geometry, const std::vector<Luminaire>& luminaires,
-                                        const Sampler& sampler, const RenderSettings& settings) {
+std::unique_ptr<Lighting> make_lighting(const Geometry& geometry, const Sampler& sampler,
+                                        const RenderSettings& settings) {
   const double display_scale = std::exp2(settings.exposure);
   if (settings.stop_rule == StopRuleKind::kBounded)
     return std::make_unique<BoundedLight>(
-        geometry, luminaires, sampler,
+        geometry, sampler,
         BoundedSettings{settings.error_tolerance, display_scale, settings.max_light_samples});
-  return std::make_unique<DirectLight>(geometry, luminaires, sampler, settings.stop_settings(),
-                                       display_scale);
+  return std::make_unique<DirectLight>(geometry, sampler, settings.stop_settings(), display_scale);
 }
 
 }  // namespace
@@ -83,7 +82,7 @@ Renderer::Renderer(std::shared_ptr<const Scene> scene, std::shared_ptr<const Geo
       paths_(*scene_, *geometry_, *materials_, settings_),
       pixel_light_sampler_(settings_.filtered() ? settings_.max_pixel_samples : 0, settings_.seed),
       luminaires_(emitting_luminaires(*scene_, geometry_->normalization())),
-      lighting_(make_lighting(*geometry_, luminaires_, *light_sampler_, settings_)) {
+      lighting_(make_lighting(*geometry_, *light_sampler_, settings_)) {
   make_buckets();
   restore_buckets();
 }
