@@ -104,6 +104,11 @@ def light_casts_shadows(light) -> bool:
     return light.use_shadow and getattr(getattr(light, "cycles", None), "cast_shadow", True)
 
 
+def light_is_met_by_rays(light) -> bool:
+    """Whether Cycles shows a light in mirrors: one without multiple importance sampling is not met by rays."""
+    return getattr(getattr(light, "cycles", None), "use_multiple_importance_sampling", True)
+
+
 def set_file_format(image_settings, file_format: str) -> None:
     """Chooses the file format of a scene's pictures; from Blender 5.0 on the kind of medium has to be chosen first."""
     if hasattr(image_settings, "media_type"):

@@ -46,7 +46,7 @@ DirectLight::Estimate DirectLight::from(const Luminaire& luminaire, const Shadin
   const Vec3d diffuse = luminaire.radiance() * diffuse_colour(point, luminaire).of_weight(),
               glossy = luminaire.radiance() * glossy_colour(point, luminaire);
 
-  const ShadowRays rays(geometry_, point.surface);
+  const ShadowRays rays(geometry_, point.surface, luminaire.role().shadow_rays);
   StopRule rule(stop_, diffuse, glossy);
   Moments moments;
   alignas(64) float u[kBatch], v[kBatch], specular[kPacket];

@@ -52,7 +52,7 @@ BoundedItem ItemSampler::make(uint32_t point, uint32_t luminaire, double form_fa
   const Vec3d arriving = lit.throughput * luminaires_[luminaire].radiance();
   const ShadingPoint shading(lit.surface, *lit.material, lit.ray_direction);
   item.diffuse = arriving * diffuse_colour(shading, luminaires_[luminaire]).mean * form_factor;
-  if (shading.has_glossy)
+  if (shading.has_glossy && luminaires_[luminaire].role().glossy)
     item.phong = unshadowed_glossy(shading, arriving, luminaires_[luminaire], key(item));
   item.diffuse_size = max_abs(item.diffuse) * settings_.display_scale;
   item.phong_size = max_abs(item.phong) * settings_.display_scale;
@@ -90,7 +90,7 @@ void ItemSampler::look(BoundedItem& item, LightTally& tally) const {
   float unshadowed[kFirstLook];
   std::copy(f, f + kFirstLook, unshadowed);
   if (luminaire.casts_shadow())
-    tally.shadow_rays += ShadowRays(geometry_, lit.surface).hide(points.x, points.y, points.z, f, traced);
+    tally.shadow_rays += ShadowRays(geometry_, lit.surface, luminaire.role().shadow_rays).hide(points.x, points.y, points.z, f, traced);
   // Behind a transparent surface a point is both.
   for (uint32_t i = 0; i < kFirstLook; ++i) item.first_lit |= uint8_t((f[i] > 0) << i);
   for (uint32_t i = 0; i < kFirstLook; ++i) item.first_dark |= uint8_t((f[i] < unshadowed[i]) << i);
@@ -101,7 +101,7 @@ void ItemSampler::advance(BoundedItem& item, uint32_t target, LightTally& tally)
   const LitPoint& lit = points_[item.point];
   const Luminaire& luminaire = luminaires_[item.luminaire];
   const ShadingPoint point(lit.surface, *lit.material, lit.ray_direction);
-  const ShadowRays rays(geometry_, lit.surface);
+  const ShadowRays rays(geometry_, lit.surface, luminaire.role().shadow_rays);
   alignas(64) float u[kPacket], v[kPacket], unshadowed[kPacket], phong[kPacket], visible_phong[kPacket];
   alignas(64) int traced[kPacket] = {};
   LightPoints points;

@@ -21,6 +21,7 @@ Reflection on_grid(const ShadingPoint& point, const Luminaire& luminaire) {
 }  // namespace
 
 DiffuseColour diffuse_colour(const ShadingPoint& point, const Luminaire& luminaire) {
+  if (!luminaire.role().diffuse) return {};
   if (!point.material.has_diffuse_lobes) return {point.material.diffuse};
   const Reflection sum = on_grid(point, luminaire);
   if (sum.form_factor == 0) return {{}, 0};
@@ -28,6 +29,7 @@ DiffuseColour diffuse_colour(const ShadingPoint& point, const Luminaire& luminai
 }
 
 Vec3d glossy_colour(const ShadingPoint& point, const Luminaire& luminaire) {
+  if (!luminaire.role().glossy) return {};
   if (!point.material.has_glossy_lobes) return point.material.phong;
   const Reflection sum = on_grid(point, luminaire);
   return sum.weight > 0 ? sum.glossy / sum.weight : Vec3d{};

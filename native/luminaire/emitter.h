@@ -18,6 +18,13 @@ struct LightPoints {
   alignas(64) float form_factor[kBatch];
 };
 
+/// A way that a viewer looks along, render space: origin + t direction.
+struct SightLine {
+  Vec3d origin, direction;
+  double t_near, t_far;
+  bool blocked;  // it ends at a surface
+};
+
 /// A shape in render space that sends light, without its colour. Immutable; copies of a luminaire share it.
 class Emitter {
  public:
@@ -44,6 +51,10 @@ class Emitter {
   /// One point for each of many surface points: (u, v)[i] for surface i.
   virtual void evaluate_each(const SurfaceColumns& surfaces, const float* u, const float* v,
                              LightPoints& out) const;
+
+  /// What the line sees of the emitter itself: radiance towards its origin, in the unit of form factors. Zero
+  /// for what is seen otherwise: meshes are surfaces, the sky is the background.
+  virtual double seen_along(const SightLine&) const { return 0; }
 };
 
 /// Form factor from the centres of side x side equal cells of the unit square, where there is no closed form.

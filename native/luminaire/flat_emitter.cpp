@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "luminaire/form_factor.h"
+#include "luminaire/parallelogram.h"
 #include "luminaire/unit_disk.h"
 #include "math/simd.h"
 
@@ -136,6 +137,11 @@ void FlatEmitter::evaluate_each(const SurfaceColumns& surfaces, const float* u, 
   alignas(64) float s[kBatch], t[kBatch];
   to_shape(u, v, surfaces.count, s, t);
   evaluate_from_each(terms_, corner_, surfaces, u, v, out);
+}
+
+double FlatEmitter::seen_along(const SightLine& line) const {
+  const auto place = meet_parallelogram(line, corner_, edge_u_, edge_v_, normal_);
+  return place && (shape_ == LuminaireShape::kRectangle || place->in_ellipse()) ? 1 : 0;
 }
 
 }  // namespace penumbra

@@ -32,6 +32,7 @@ class FlatEmitter final : public Emitter {
                 LightPoints& out) const override;
   void evaluate_each(const SurfaceColumns& surfaces, const float* u, const float* v,
                      LightPoints& out) const override;
+  double seen_along(const SightLine& line) const override;
 
  private:
   void make_outline();

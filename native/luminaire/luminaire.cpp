@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "luminaire/luminaire.h"
 
+#include <algorithm>
 #include <numbers>
 
 #include "luminaire/flat_emitter.h"
@@ -43,6 +44,20 @@ Luminaire::Luminaire(const LuminaireDescription& description, const Normalizatio
   emitter_ = parts.emitter;
   radiance_ = parts.radiance;
   cast_shadow_ = std::visit([](const auto& d) { return d.cast_shadow; }, description);
+  role_ = std::visit([](const auto& d) { return d.role; }, description);
+}
+
+void Luminaire::form_factors(const SurfaceColumns& surfaces, double* out) const {
+  emitter_->form_factors(surfaces, out);
+  if (role_.receivers.empty()) return;
+  for (uint32_t i = 0; i < surfaces.count; ++i)
+    if (!lights(surfaces.receiver_set[i])) out[i] = 0;
+}
+
+void Luminaire::evaluate(const SurfacePoint& surface, const float* u, const float* v, uint32_t count,
+                         LightPoints& out) const {
+  emitter_->evaluate(surface, u, v, count, out);
+  if (!lights(surface.receiver_set)) std::fill(out.form_factor, out.form_factor + count, 0.0f);
 }
 
 }  // namespace penumbra

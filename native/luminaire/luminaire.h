@@ -20,34 +20,45 @@ class Luminaire {
         radiance_(radiance),
         cast_shadow_(cast_shadow) {}
 
-  /// The luminaire emits nothing: no power or no area.
-  bool dark() const { return max_abs(radiance_) == 0 || emitter_->dark(); }
+  /// The luminaire emits nothing: no power or no area; or nothing reflects it.
+  bool dark() const {
+    return max_abs(radiance_) == 0 || emitter_->dark() || !(role_.diffuse || role_.glossy);
+  }
   bool is_point() const { return emitter_->is_point(); }
   bool is_wide() const { return emitter_->is_wide(); }
-  bool unseen_from(const SurfacePoint& surface) const { return emitter_->unseen_from(surface); }
-  double form_factor(const SurfacePoint& surface) const { return emitter_->form_factor(surface); }
-  void form_factors(const SurfaceColumns& surfaces, double* out) const {
-    emitter_->form_factors(surfaces, out);
+  bool unseen_from(const SurfacePoint& surface) const {
+    return !lights(surface.receiver_set) || emitter_->unseen_from(surface);
   }
+  double form_factor(const SurfacePoint& surface) const {
+    return lights(surface.receiver_set) ? emitter_->form_factor(surface) : 0;
+  }
+  void form_factors(const SurfaceColumns& surfaces, double* out) const;
   void evaluate(const SurfacePoint& surface, const float* u, const float* v, uint32_t count,
-                LightPoints& out) const {
-    emitter_->evaluate(surface, u, v, count, out);
-  }
+                LightPoints& out) const;
   void evaluate_each(const SurfaceColumns& surfaces, const float* u, const float* v, LightPoints& out) const {
     emitter_->evaluate_each(surfaces, u, v, out);
   }
+  /// Times radiance(): what a line of sight sees of the luminaire itself.
+  double seen_along(const SightLine& line) const { return emitter_->seen_along(line); }
 
   /// What form factors are multiplied with: the radiance of a luminaire of some size, the intensity of a
   /// point, the irradiance / pi of a direction.
   const Vec3d& radiance() const { return radiance_; }
   const std::string& name() const { return name_; }
   bool casts_shadow() const { return cast_shadow_; }
+  const LuminaireRole& role() const { return role_; }
 
  private:
+  /// Does it light the instances of a receiver set?
+  bool lights(uint32_t receiver_set) const {
+    return role_.receivers.empty() || (receiver_set < role_.receivers.size() && role_.receivers[receiver_set]);
+  }
+
   std::string name_;
   std::shared_ptr<const Emitter> emitter_;
   Vec3d radiance_;
   bool cast_shadow_;
+  LuminaireRole role_;
 };
 
 }  // namespace penumbra

@@ -6,6 +6,8 @@
 #include <limits>
 #include <numbers>
 
+#include "luminaire/parallelogram.h"
+
 namespace penumbra {
 namespace {
 
@@ -138,6 +140,24 @@ void PointEmitter::evaluate(const SurfacePoint& surface, const float* u, const f
     if (spot_) spot_->attenuate(count, out);
   }
   for (uint32_t i = 0; i < count; ++i) out.form_factor[i] *= float(per_radiance_);
+}
+
+double PointEmitter::seen_along(const SightLine& line) const {
+  if (radius_ == 0) return 0;
+  const Vec3d to_centre = centre_ - line.origin, direction = normalize(line.direction);
+  const double along = dot(to_centre, direction), square = dot(to_centre, to_centre);
+  double distance = 0;
+  if (shape_ == RoundShape::kSphere) {
+    const double root = radius_ * radius_ - (square - along * along);
+    if (root < 0) return 0;
+    distance = square > radius_ * radius_ ? along - std::sqrt(root) : along + std::sqrt(root);
+  } else {
+    if (!(along > 0)) return 0;
+    distance = square / along;  // to the disk's plane
+    if (distance * distance - square > radius_ * radius_) return 0;
+  }
+  if (!is_before_end(line, distance / length(line.direction))) return 0;
+  return per_radiance_ * (spot_ ? spot_->attenuation(-direction) : 1);
 }
 
 }  // namespace penumbra

@@ -22,6 +22,7 @@ class PointEmitter final : public Emitter {
   /// Uniformly in the solid angle that the surface point sees.
   void evaluate(const SurfacePoint& surface, const float* u, const float* v, uint32_t count,
                 LightPoints& out) const override;
+  double seen_along(const SightLine& line) const override;
 
  private:
   /// A spot's factor for light that leaves in a direction.

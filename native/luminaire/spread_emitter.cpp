@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "luminaire/parallelogram.h"
+
 namespace penumbra {
 namespace {
 
@@ -81,6 +83,13 @@ void SpreadEmitter::evaluate(const SurfacePoint& surface, const float* u, const 
     out.form_factor[i] =
         inside && cos_surface > 0 && cos_light > 0 && fall > 0 && value < 3e38f ? value : 0.0f;
   }
+}
+
+double SpreadEmitter::seen_along(const SightLine& line) const {
+  const auto place = meet_parallelogram(line, corner_, edge_u_, edge_v_, normal_);
+  if (!place || (is_ellipse_ && !place->in_ellipse())) return 0;
+  const double cosine = -dot(normalize(line.direction), normal_);
+  return peak_ * std::max(0.0, 1 - std::sqrt(std::max(1 - cosine * cosine, 0.0)) / (cosine * tangent_));
 }
 
 }  // namespace penumbra

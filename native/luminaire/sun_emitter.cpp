@@ -36,4 +36,12 @@ void SunEmitter::evaluate(const SurfacePoint& surface, const float* u, const flo
   for (uint32_t i = 0; i < count; ++i) out.form_factor[i] /= float(cone_.sine_squared);
 }
 
+double SunEmitter::seen_along(const SightLine& line) const {
+  if (line.blocked || is_point() || dot(line.direction, cone_.axis) <= 0) return 0;
+  const Vec3d across = cross(line.direction, cone_.axis);
+  return dot(across, across) <= cone_.sine_squared * dot(line.direction, line.direction)
+             ? 1 / cone_.sine_squared
+             : 0;
+}
+
 }  // namespace penumbra

@@ -18,6 +18,7 @@ class SunEmitter final : public Emitter {
   /// Uniformly in solid angle.
   void evaluate(const SurfacePoint& surface, const float* u, const float* v, uint32_t count,
                 LightPoints& out) const override;
+  double seen_along(const SightLine& line) const override;
 
  private:
   Cone cone_;

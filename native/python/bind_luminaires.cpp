@@ -26,10 +26,10 @@ LuminaireShape shape_from_name(const std::string& shape, const std::string& name
 
 void add_area_light(PythonScene& self, const std::string& name, const std::string& shape,
                     const py::array& world_from_light, const Pair& size, const Color& radiance,
-                    bool cast_shadow, double spread) {
+                    bool cast_shadow, double spread, const LuminaireRole& role) {
   self.scene->add_luminaire(AreaLuminaire{name, shape_from_name(shape, name),
                                           read_transform(world_from_light, name, "world_from_light"), size[0],
-                                          size[1], vec(radiance), cast_shadow, spread});
+                                          size[1], vec(radiance), cast_shadow, spread, role});
 }
 
 RoundShape round_shape_from_name(const std::string& shape, const std::string& name) {
@@ -40,14 +40,15 @@ RoundShape round_shape_from_name(const std::string& shape, const std::string& na
 
 void add_point_light(PythonScene& self, const std::string& name, const py::array& world_from_light,
                      double radius, const Color& intensity, bool cast_shadow, const std::string& shape,
-                     const std::optional<Pair>& spot, bool cosine_falloff) {
+                     const std::optional<Pair>& spot, bool cosine_falloff, const LuminaireRole& role) {
   PointLuminaire light{name,
                        round_shape_from_name(shape, name),
                        read_transform(world_from_light, name, "world_from_light"),
                        radius,
                        vec(intensity),
                        cast_shadow,
-                       {}};
+                       {},
+                       role};
   if (spot) light.spot = SpotCone{(*spot)[0], (*spot)[1], cosine_falloff};
   self.scene->add_luminaire(std::move(light));
 }
@@ -71,11 +72,49 @@ void set_background(PythonScene& self, const Color& color, bool transparent, boo
 
 }  // namespace
 
-void bind_luminaires(py::class_<PythonScene>& scene) {
+void bind_luminaires(py::module_& module, py::class_<PythonScene>& scene) {
+  py::class_<LuminaireRole>(module, "LuminaireRole",
+                            R"(What a luminaire is to rays and surfaces, beside its light.
+
+to_camera, in_mirrors: it is seen itself there (a mesh is a surface and seen as such). diffuse, glossy: which lobes of
+surfaces it lights. shadow_rays: the kind of its shadow rays, SHADOW_RAY or blocker_set_ray(n). receivers: for each
+receiver set of add_instance, whether it lights those instances; empty: all.)")
+      .def(py::init([](bool to_camera, bool in_mirrors, bool diffuse, bool glossy, RayMask shadow_rays,
+                       std::vector<bool> receivers) {
+             return LuminaireRole{to_camera, in_mirrors, diffuse, glossy, shadow_rays, std::move(receivers)};
+           }),
+           py::kw_only(), py::arg("to_camera") = false, py::arg("in_mirrors") = false,
+           py::arg("diffuse") = true, py::arg("glossy") = true, py::arg("shadow_rays") = kShadowRay,
+           py::arg("receivers") = std::vector<bool>{})
+      .def_readonly("to_camera", &LuminaireRole::to_camera)
+      .def_readonly("in_mirrors", &LuminaireRole::in_mirrors)
+      .def_readonly("diffuse", &LuminaireRole::diffuse)
+      .def_readonly("glossy", &LuminaireRole::glossy)
+      .def_readonly("shadow_rays", &LuminaireRole::shadow_rays)
+      .def_readonly("receivers", &LuminaireRole::receivers)
+      .def("__repr__", [](const LuminaireRole& r) {
+        std::string text = "LuminaireRole(";
+        for (const auto& [name, value] : {std::pair{"to_camera", r.to_camera}, {"in_mirrors", r.in_mirrors},
+                                          {"diffuse", r.diffuse}, {"glossy", r.glossy}})
+          text += std::string(name) + "=" + (value ? "True, " : "False, ");
+        return text + "shadow_rays=" + std::to_string(r.shadow_rays) + ")";
+      });
+  module.attr("CAMERA_RAY") = kCameraRay;
+  module.attr("MIRROR_RAY") = kMirrorRay;
+  module.attr("SHADOW_RAY") = kShadowRay;
+  module.attr("ANY_RAY") = kAnyRay;
+  module.attr("MOST_BLOCKER_SETS") = kMostBlockerSets;
+  module.def(
+      "blocker_set_ray",
+      [](uint32_t set) {
+        if (set >= kMostBlockerSets) throw py::value_error("there are no more than 29 sets of blockers");
+        return blocker_set_ray(set);
+      },
+      py::arg("set"), "The kind of shadow rays that set number `set`, 0 ... MOST_BLOCKER_SETS - 1, of instances blocks.");
   scene
       .def("add_area_light", &add_area_light, py::arg("name"), py::arg("shape"), py::arg("world_from_light"),
            py::arg("size"), py::arg("radiance"), py::arg("cast_shadow") = true,
-           py::arg("spread") = std::numbers::pi,
+           py::arg("spread") = std::numbers::pi, py::arg("role") = LuminaireRole{},
            R"(Adds a flat, one-sided luminaire in its local xy plane, emitting towards local -z.
 
 shape: RECTANGLE or ELLIPSE. size: full extents (x, y) before the transform. radiance: (r, g, b), W/(sr m^2). spread:
@@ -83,6 +122,7 @@ full angle of the cone that light leaves in, radians; the power stays that of pi
       .def("add_point_light", &add_point_light, py::arg("name"), py::arg("world_from_light"),
            py::arg("radius"), py::arg("intensity"), py::arg("cast_shadow") = true,
            py::arg("shape") = "SPHERE", py::arg("spot") = py::none(), py::arg("cosine_falloff") = false,
+           py::arg("role") = LuminaireRole{},
            R"(Adds a luminaire around a point, of radiance intensity / (pi radius^2).
 
 radius: world units; 0 is a point. intensity: (r, g, b), W/sr. shape: SPHERE, or FACING_DISK, a disk that faces whoever
@@ -91,12 +131,12 @@ cosine_falloff multiplies it with the cosine to the axis.)")
       .def(
           "add_sun",
           [](PythonScene& self, const std::string& name, const Color& to_sun, double angle,
-             const Color& irradiance, bool cast_shadow) {
+             const Color& irradiance, bool cast_shadow, const LuminaireRole& role) {
             self.scene->add_luminaire(
-                SunLuminaire{name, vec(to_sun), angle / 2, vec(irradiance), cast_shadow});
+                SunLuminaire{name, vec(to_sun), angle / 2, vec(irradiance), cast_shadow, role});
           },
           py::arg("name"), py::arg("to_sun"), py::arg("angle"), py::arg("irradiance"),
-          py::arg("cast_shadow") = true,
+          py::arg("cast_shadow") = true, py::arg("role") = LuminaireRole{},
           R"(Adds a disk of directions of constant radiance, infinitely far away.
 
 to_sun: direction (x, y, z). angle: diameter in radians, 0 ... pi; 0 is one direction. irradiance: (r, g, b), W/m^2 of a
@@ -104,15 +144,16 @@ surface that faces it.)")
       .def(
           "add_mesh_light",
           [](PythonScene& self, const std::string& name, const py::array& positions,
-             const py::array& triangles, const py::array& world_from_object, const Color& radiance) {
-            MeshLuminaire light{name, read_positions(positions, name), read_triangles(triangles, name),
-                                vec(radiance)};
+             const py::array& triangles, const py::array& world_from_object, const Color& radiance,
+             bool cast_shadow, const LuminaireRole& role) {
+            MeshLuminaire light{name,          read_positions(positions, name), read_triangles(triangles, name),
+                                vec(radiance), cast_shadow,                     role};
             const Affine t = read_transform(world_from_object, name, "world_from_object");
             for (Vec3d& p : light.positions) p = t.point(p);
             self.scene->add_luminaire(std::move(light));
           },
           py::arg("name"), py::arg("positions"), py::arg("triangles"), py::arg("world_from_object"),
-          py::arg("radiance"),
+          py::arg("radiance"), py::arg("cast_shadow") = true, py::arg("role") = LuminaireRole{},
           R"(Adds triangles as one luminaire that emits on both sides; they should be part of a mesh of the scene, too.
 
 Arguments as of add_mesh and add_instance. radiance: (r, g, b), W/(sr m^2).)")

@@ -69,6 +69,7 @@ void bind_scene(py::module_& module) {
 Every method raises ValueError with the object's name in the text where its arguments make no sense. Arrays are
 copied. Once a Render was made of the scene, meshes and instances are fixed; the rest may still change.)");
   bind_material(module, scene);
+  bind_luminaires(module, scene);
   scene.def(py::init<>())
       .def("add_mesh", &add_mesh, py::arg("name"), py::arg("positions"), py::arg("triangles"),
            py::arg("corner_normals") = py::none(), py::arg("material_slots") = py::none(),
@@ -98,19 +99,23 @@ Returns the material's number.)")
       .def(
           "add_instance",
           [](PythonScene& self, const std::string& name, uint32_t mesh, const py::array& world_from_object,
-             const std::vector<uint32_t>& materials) {
-            self.scene->add_instance(
-                {name, mesh, read_transform(world_from_object, name, "world_from_object"), materials});
+             const std::vector<uint32_t>& materials, RayMask rays, uint32_t receiver_set) {
+            self.scene->add_instance({name, mesh,
+                                      read_transform(world_from_object, name, "world_from_object"), materials,
+                                      rays, receiver_set});
           },
           py::arg("name"), py::arg("mesh"), py::arg("world_from_object"), py::arg("materials"),
+          py::arg("rays") = kAnyRay, py::arg("receiver_set") = 0,
           R"(Places a mesh. world_from_object: (4, 4) float64. materials: numbers of materials, one a slot; slots beyond
-the end use the last one.)")
+the end use the last one. rays: the kinds of rays that it is there for, a sum of CAMERA_RAY, MIRROR_RAY, SHADOW_RAY and
+blocker_set_ray(n). receiver_set: a number that LuminaireRole.receivers
+refers to.)")
       .def(
           "set_camera", &set_camera, py::arg("kind"), py::arg("world_from_camera"), py::arg("window"),
           py::arg("clip"),
           R"(kind: PERSPECTIVE or ORTHOGRAPHIC, looking along local -z. window: (left, right, bottom, top) of the full
 frame, in the plane z = -1 or in world units. clip: (start, end) along the view axis.)");
-  bind_luminaires(scene);
+
 }
 
 }  // namespace penumbra::python

@@ -33,7 +33,7 @@ StopRuleKind stop_rule_from_name(const std::string& name);
 FilterKind filter_from_name(const std::string& name);
 
 void bind_scene(pybind11::module_& module);
-void bind_luminaires(pybind11::class_<PythonScene>& scene);
+void bind_luminaires(pybind11::module_& module, pybind11::class_<PythonScene>& scene);
 void bind_material(pybind11::module_& module, pybind11::class_<PythonScene>& scene);
 void bind_render(pybind11::module_& module);
 void bind_sampling(pybind11::module_& module);

@@ -188,7 +188,8 @@ void FilteredBlock::fit_plane(const SampleRun& run, uint32_t lane) {
   for (uint32_t i = 0; i < kFirstSamples; ++i) {
     pixel.background_fitted += ends[i].background * fit.h[i];
     residual += ends[i].background * fit.r[i];
-    pixel.uncertain = pixel.uncertain || ends[i].object != ends[0].object;
+    pixel.uncertain = pixel.uncertain || ends[i].object != ends[0].object ||
+                      ends[i].lights != ends[0].lights;
   }
   for (const Contribution& one : packet_.contributions()) {
     if (one.lane - lane >= kFirstSamples) continue;  // another pixel's; wraps below

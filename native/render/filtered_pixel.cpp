@@ -17,7 +17,7 @@ constexpr double kEdgeCosine = 0.95, kEdgeSlope = 0.2;
 }  // namespace
 
 bool edge_between(const PathEnd& a, const PathEnd& b) {
-  if (a.object != b.object) return true;
+  if (a.object != b.object || a.lights != b.lights) return true;
   if (!a.hit) return false;
   const SurfacePoint &s = a.first, &t = b.first;
   if (dot(s.normal, t.normal) < kEdgeCosine) return true;

@@ -15,6 +15,16 @@ double average(const Vec3d& c) {
   return (c.x + c.y + c.z) / 3;
 }
 
+std::vector<Luminaire> seen_luminaires(const Scene& scene, const Normalization& normalization) {
+  std::vector<Luminaire> luminaires;
+  for (const LuminaireDescription& description : scene.luminaires()) {
+    const LuminaireRole& role =
+        std::visit([](const auto& d) -> const LuminaireRole& { return d.role; }, description);
+    if (role.to_camera || role.in_mirrors) luminaires.emplace_back(description, normalization);
+  }
+  return luminaires;
+}
+
 }  // namespace
 
 /// A stretch of a path, between mirrors and transparent surfaces.
@@ -33,6 +43,7 @@ PathTracer::PathTracer(const Scene& scene, const Geometry& geometry, const Mater
     : scene_(scene),
       geometry_(geometry),
       materials_(materials),
+      seen_(seen_luminaires(scene, geometry.normalization())),
       mirror_depth_(scene.has_mirrors() ? settings.mirror_depth : 0),
       length_(mirror_depth_ + 1 + (scene.has_transparency() ? kMaxLitPassed : 0)),
       pixel_(std::abs(scene.camera().right - scene.camera().left) / settings.width) {}
@@ -44,6 +55,20 @@ void PathTracer::leave(const Part& part, PathEnd& end) const {
     end.alpha -= average(part.throughput);
   else if (background.seen_by_camera || !part.from_camera())
     end.background += part.throughput * background.radiance(part.ray.direction);
+}
+
+/// Luminaires between a part's start and its end, at t_far or at infinity. As in Cycles they hide nothing,
+/// neither what is behind them nor the film.
+void PathTracer::see_luminaires(const Part& part, double t_far, PathEnd& end) const {
+  const SightLine line{part.ray.origin, part.ray.direction, part.ray.t_near, t_far, part.hit.found()};
+  for (size_t i = 0; i < seen_.size(); ++i) {
+    const LuminaireRole& role = seen_[i].role();
+    if (!(part.from_camera() ? role.to_camera : role.in_mirrors)) continue;
+    const double seen = seen_[i].seen_along(line);
+    if (seen <= 0) continue;
+    end.background += part.throughput * seen_[i].radiance() * seen;
+    end.lights |= uint64_t{1} << i % 64;
+  }
 }
 
 PathEnd PathTracer::follow(Ray ray, Hit hit, uint32_t pixel, uint64_t stream, std::vector<LitPoint>& points,
@@ -59,11 +84,13 @@ PathEnd PathTracer::follow(Ray ray, Hit hit, uint32_t pixel, uint64_t stream, st
     Part mirrored;
     bool goes_on = false;
     if (!part.hit.found()) {
+      see_luminaires(part, part.ray.t_far, end);
       leave(part, end);
     } else {
       SurfacePoint surface = geometry_.surface_point(part.ray, part.hit);
       const Material& material = scene_.materials()[surface.material];
       const double t = surface.t;
+      see_luminaires(part, t, end);
       const double footprint =
           part.footprint + (perspective ? t * pixel_ * (part.from_camera() ? scale : 1.0) : 0.0);
       std::shared_ptr<const Closures> evaluated;
@@ -92,7 +119,7 @@ PathEnd PathTracer::follow(Ray ray, Hit hit, uint32_t pixel, uint64_t stream, st
       if (part.mirrors < mirror_depth_ && max_component(reflected) > 0) {
         mirrored = part;
         mirrored.ray = {surface.position + surface.geometric_normal * surface.rounding,
-                        normalize(reflect(part.ray.direction, surface.normal)), 0, 1e30};
+                        normalize(reflect(part.ray.direction, surface.normal)), 0, 1e30, kMirrorRay};
         mirrored.throughput = reflected;
         mirrored.footprint = footprint;
         mirrored.t = 0;

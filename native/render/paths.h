@@ -13,6 +13,7 @@ namespace penumbra {
 struct PathEnd {
   Vec3d background;                     // light that is there without luminaires: the world's, emission
   double alpha = 0;                     // 0 where the primary ray meets nothing and the film is transparent
+  uint64_t lights = 0;                  // which luminaires were seen themselves, in mirrors too: a bit of each
   bool hit = false;                     // the primary ray met something,
   SurfacePoint first;                   // here
   const std::string* object = nullptr;  // and on this object
@@ -34,10 +35,12 @@ class PathTracer {
  private:
   struct Part;
   void leave(const Part& part, PathEnd& end) const;
+  void see_luminaires(const Part& part, double t_far, PathEnd& end) const;
 
   const Scene& scene_;
   const Geometry& geometry_;
   const Materials& materials_;
+  std::vector<Luminaire> seen_;  // luminaires that are seen themselves
   uint32_t mirror_depth_, length_;
   double pixel_;  // width in the camera's window
 };

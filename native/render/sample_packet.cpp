@@ -118,7 +118,8 @@ bool SamplePacket::wants_ray(const Lane& lane, const Slot& slot, uint32_t lumina
 int64_t SamplePacket::add_ray(const LitPoint& lit, const Luminaire& luminaire, const Vec3f& to_light) {
   visible_.push_back(1);
   ++rays_of[lit.pixel];
-  if (luminaire.casts_shadow()) queue_.add(lit.surface, to_light, visible_.back());
+  if (luminaire.casts_shadow())
+    queue_.add(lit.surface, to_light, luminaire.role().shadow_rays, visible_.back());
   return int64_t(visible_.size()) - 1;
 }
 
@@ -163,7 +164,7 @@ void SamplePacket::light(std::span<const SampleRun> runs, uint32_t l, uint32_t b
       const double mean = form_factors[i] * colour.weight;
       contributions_.push_back({lane, s, diffuse, size * double(weight) / mean, ray});
     }
-    if (!shading.has_glossy) continue;
+    if (!shading.has_glossy || !luminaire.role().glossy) continue;
     // No closed form: the sampled value itself stands for the unshadowed one.
     Reflection lobe;
     add_reflection(shading, &to_light.x, &to_light.y, &to_light.z, &sampled, 1, lobe);

@@ -11,8 +11,17 @@
 #include <vector>
 
 #include "math/transform.h"
+#include "scene/ray_mask.h"
 
 namespace penumbra {
+
+/// What a luminaire is to rays and surfaces, beside its light.
+struct LuminaireRole {
+  bool to_camera = false, in_mirrors = false;  // it is seen itself (one of a mesh is a surface, seen as such)
+  bool diffuse = true, glossy = true;          // kinds of lobes that it lights
+  RayMask shadow_rays = kShadowRay;            // which objects hide it
+  std::vector<bool> receivers;                 // by Instance::receiver_set, whether it lights those; none: all
+};
 
 enum class LuminaireShape { kRectangle, kEllipse };
 
@@ -25,6 +34,7 @@ struct AreaLuminaire {
   Vec3d radiance;         // W / (sr m^2); its mean over all directions, cosine-weighted
   bool cast_shadow = true;
   double spread = std::numbers::pi;  // full angle of the cone that light leaves in, radians
+  LuminaireRole role = {};
 };
 
 /// The cone of a spot around the light's local -z: full inside, none outside `angle`, and between them
@@ -47,6 +57,7 @@ struct PointLuminaire {
   Vec3d intensity;          // W / sr
   bool cast_shadow = true;
   std::optional<SpotCone> spot;
+  LuminaireRole role = {};
 };
 
 /// A disk of directions, infinitely far away, of constant radiance; of angle 0 one direction.
@@ -56,6 +67,7 @@ struct SunLuminaire {
   double half_angle;  // radians, 0 ... pi / 2
   Vec3d irradiance;   // W / m^2 of a surface that faces it
   bool cast_shadow = true;
+  LuminaireRole role = {};
 };
 
 /// Triangles of constant radiance, on both sides. The same triangles are part of the scene's geometry.
@@ -65,6 +77,7 @@ struct MeshLuminaire {
   std::vector<std::array<uint32_t, 3>> triangles;
   Vec3d radiance;  // W / (sr m^2)
   bool cast_shadow = true;
+  LuminaireRole role = {};
 };
 
 using LuminaireDescription = std::variant<AreaLuminaire, PointLuminaire, SunLuminaire, MeshLuminaire>;

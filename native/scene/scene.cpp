@@ -35,6 +35,13 @@ uint64_t hash_array(uint64_t h, const std::vector<T>& values) {
   return hash_bytes(h, values.data(), values.size() * sizeof(T));
 }
 
+uint64_t hash_of_role(uint64_t h, const LuminaireRole& role) {
+  const uint32_t values[5] = {role.to_camera, role.in_mirrors, role.diffuse, role.glossy, role.shadow_rays};
+  h = hash_bytes(h, values, sizeof(values));
+  for (const bool lit : role.receivers) h = hash_of(h, lit);
+  return h;
+}
+
 /// Which operation a step is does not enter: functions have no numbers that would last.
 uint64_t hash_of_program(uint64_t h, const Program& program) {
   h = hash_array(hash_array(h, program.registers), program.tables);
@@ -112,6 +119,7 @@ void Scene::add_instance(Instance instance) {
     if (m >= materials_.size()) refuse(name, "no material with number " + std::to_string(m));
   hash_ = hash_bytes(hash_, &instance.world_from_object, sizeof(Affine));
   hash_ = hash_array(hash_of(hash_, instance.mesh), instance.materials);
+  hash_ = hash_of(hash_of(hash_, instance.rays), instance.receiver_set);
   instances_.push_back(std::move(instance));
 }
 
@@ -128,6 +136,7 @@ void Scene::add_luminaire(AreaLuminaire luminaire) {
     refuse(name, "the spread must lie in 0 ... pi");
   const double shape[4] = {double(luminaire.shape), luminaire.size_x, luminaire.size_y, luminaire.spread};
   hash_ = hash_of(hash_bytes(hash_, shape, sizeof(shape)), luminaire.cast_shadow);
+  hash_ = hash_of_role(hash_, luminaire.role);
   luminaires_.emplace_back(std::move(luminaire));
 }
 
@@ -150,6 +159,7 @@ void Scene::add_luminaire(PointLuminaire luminaire) {
     const double cone[3] = {spot.angle, spot.blend, double(spot.cosine_falloff)};
     hash_ = hash_bytes(hash_, cone, sizeof(cone));
   }
+  hash_ = hash_of_role(hash_, luminaire.role);
   luminaires_.emplace_back(std::move(luminaire));
 }
 
@@ -163,6 +173,7 @@ void Scene::add_luminaire(SunLuminaire luminaire) {
   hash_ = hash_bytes(hash_, &luminaire.to_sun, sizeof(Vec3d));
   hash_ = hash_bytes(hash_, &luminaire.irradiance, sizeof(Vec3d));
   hash_ = hash_of(hash_bytes(hash_, &luminaire.half_angle, sizeof(double)), luminaire.cast_shadow);
+  hash_ = hash_of_role(hash_, luminaire.role);
   luminaires_.emplace_back(std::move(luminaire));
 }
 
@@ -171,6 +182,7 @@ void Scene::add_luminaire(MeshLuminaire luminaire) {
   if (!is_finite(luminaire.radiance)) refuse(luminaire.name, "the radiance is not finite");
   hash_ = hash_array(hash_array(hash_, luminaire.positions), luminaire.triangles);
   hash_ = hash_of(hash_bytes(hash_, &luminaire.radiance, sizeof(Vec3d)), luminaire.cast_shadow);
+  hash_ = hash_of_role(hash_, luminaire.role);
   luminaires_.emplace_back(std::move(luminaire));
 }
 

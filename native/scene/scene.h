@@ -16,6 +16,7 @@
 #include "scene/image.h"
 #include "scene/luminaires.h"
 #include "scene/program.h"
+#include "scene/ray_mask.h"
 
 namespace penumbra {
 
@@ -34,6 +35,8 @@ struct Instance {
   uint32_t mesh;
   Affine world_from_object;
   std::vector<uint32_t> materials;  // by slot; slots beyond the end use the last one
+  RayMask rays = kAnyRay;           // it is there for
+  uint32_t receiver_set = 0;        // see LuminaireRole::receivers
 };
 
 /// Closures of a constant material (the paper's BRDF and more, colours scene linear); those of one that

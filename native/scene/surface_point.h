@@ -16,6 +16,7 @@ struct SurfacePoint {
   double rounding;                 // how far from the surface a ray must start in order not to meet it again
   uint32_t material;
   SurfacePlace place = {};
+  uint32_t receiver_set = 0;  // of its instance
 };
 
 }  // namespace penumbra

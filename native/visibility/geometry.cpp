@@ -78,7 +78,7 @@ void Geometry::intersect(const Ray* rays, uint32_t active, Hit* hits) const {
     packet.ray.org_x[i] = origin.x, packet.ray.org_y[i] = origin.y, packet.ray.org_z[i] = origin.z;
     packet.ray.dir_x[i] = direction.x, packet.ray.dir_y[i] = direction.y, packet.ray.dir_z[i] = direction.z;
     packet.ray.tnear[i] = 0, packet.ray.tfar[i] = length;
-    packet.ray.time[i] = 0, packet.ray.mask[i] = ~0u, packet.ray.id[i] = unsigned(i), packet.ray.flags[i] = 0;
+    packet.ray.time[i] = 0, packet.ray.mask[i] = ray.mask, packet.ray.id[i] = unsigned(i), packet.ray.flags[i] = 0;
     packet.hit.geomID[i] = packet.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
   }
   if (!any) return;
@@ -145,6 +145,7 @@ SurfacePoint Geometry::surface_point(const Ray& ray, const Hit& hit) const {
   s.rounding = kRelativeRounding * (max_abs(s.position) + extent);
   const uint32_t slot = mesh.material_slots.empty() ? 0 : mesh.material_slots[hit.triangle];
   s.material = instance.materials[std::min<size_t>(slot, instance.materials.size() - 1)];
+  s.receiver_set = instance.receiver_set;
   return s;
 }
 

@@ -18,6 +18,7 @@ namespace penumbra {
 struct Ray {
   Vec3d origin, direction;
   double t_near = 0, t_far = 0;
+  RayMask mask = kCameraRay;  // its kind
 };
 
 /// Which triangle a ray meets first. Distance and position follow from surface_point().
@@ -77,6 +78,7 @@ class Geometry {
     double extent;              // largest coordinate difference, render space; 0 unless the mesh is shared
     bool shared;
     std::vector<uint32_t> materials;
+    uint32_t receiver_set;
   };
 
   void clean(std::vector<Mesh>& meshes, const std::vector<Instance>& instances);

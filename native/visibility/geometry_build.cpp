@@ -126,7 +126,8 @@ Geometry::Geometry(std::vector<Mesh> meshes, std::vector<Instance> instances, ui
                           .render_from_object = normalization_.transform(instance.world_from_object),
                           .extent = 0,
                           .shared = users[instance.mesh] > 1,
-                          .materials = std::move(instance.materials)};
+                          .materials = std::move(instance.materials),
+                          .receiver_set = instance.receiver_set};
     // A scale of zero leaves nothing to be seen, as in Cycles.
     const bool visible = !mesh.triangles.empty() && placed.render_from_object.determinant() != 0;
     const auto id = unsigned(instances_.size());
@@ -139,6 +140,7 @@ Geometry::Geometry(std::vector<Mesh> meshes, std::vector<Instance> instances, ui
     }
     if (!geometry && !mesh.triangles.empty()) flat.add(1, placed.name);
     if (geometry) {
+      rtcSetGeometryMask(geometry, instance.rays);
       rtcCommitGeometry(geometry);
       rtcAttachGeometryByID(scene_.get(), geometry, id);
       rtcReleaseGeometry(geometry);
@@ -203,6 +205,7 @@ RTCGeometry Geometry::make_triangles(const PlacedMesh& mesh) const {
     rtcSetGeometryUserData(geometry, const_cast<Geometry*>(this));  // read only
     rtcSetGeometryOccludedFilterFunction(geometry, filter_shadow_rays);
   }
+  rtcSetGeometryMask(geometry, kAnyRay);  // Embree 4's default is a bit
   rtcCommitGeometry(geometry);
   return geometry;
 }

@@ -17,7 +17,7 @@ constexpr float kReach = 1.0f - 0x1p-18f;
 constexpr float kFar = 1e18f, kShrink = 0x1p-40f;
 
 PENUMBRA_VECTORIZED
-uint32_t fill(const ShadowOrigin& origin, const float* x, const float* y, const float* z,
+uint32_t fill(const ShadowOrigin& origin, RayMask mask, const float* x, const float* y, const float* z,
               const float* contribution, RTCRay16& packet, int* valid) {
   const ShadowOrigin o = origin;
   int count = 0;
@@ -36,7 +36,7 @@ uint32_t fill(const ShadowOrigin& origin, const float* x, const float* y, const 
     packet.tnear[i] = 0.0f;
     packet.tfar[i] = kReach / shrink;
     packet.time[i] = 0.0f;
-    packet.mask[i] = ~0u;
+    packet.mask[i] = mask;
     valid[i] = contribution[i] > 0 ? -1 : 0;
     count -= valid[i];
   }
@@ -73,15 +73,16 @@ ShadowSide side(const SurfacePoint& surface, double sign) {
 
 }  // namespace
 
-ShadowRays::ShadowRays(const Geometry& geometry, const SurfacePoint& surface)
+ShadowRays::ShadowRays(const Geometry& geometry, const SurfacePoint& surface, RayMask mask)
     : geometry_(geometry),
       origin_{Vec3f(surface.geometric_normal), side(surface, 1), side(surface, -1)},
+      mask_(mask),
       usable_(is_finite(origin_.front.origin) && is_finite(origin_.back.origin)) {}
 
 uint32_t ShadowRays::hide(const float* x, const float* y, const float* z, float* contribution,
                           int* traced) const {
   alignas(64) RTCRay16 packet;
-  const uint32_t count = fill(origin_, x, y, z, contribution, packet, traced);
+  const uint32_t count = fill(origin_, mask_, x, y, z, contribution, packet, traced);
   if (count == 0 || !usable_) return 0;
   alignas(64) float transmittance[kPacket];
   if (geometry_.has_transparency()) prepare(packet, transmittance);
@@ -92,7 +93,7 @@ uint32_t ShadowRays::hide(const float* x, const float* y, const float* z, float*
   return count;
 }
 
-void ShadowQueue::add(const SurfacePoint& surface, const Vec3f& to_light, uint8_t& visible) {
+void ShadowQueue::add(const SurfacePoint& surface, const Vec3f& to_light, RayMask mask, uint8_t& visible) {
   visible = 0;
   const bool front = dot(Vec3f(surface.geometric_normal), to_light) >= 0;
   const ShadowSide start = side(surface, front ? 1 : -1);
@@ -102,7 +103,7 @@ void ShadowQueue::add(const SurfacePoint& surface, const Vec3f& to_light, uint8_
   const uint32_t i = count_++;
   packet_.org_x[i] = start.origin.x, packet_.org_y[i] = start.origin.y, packet_.org_z[i] = start.origin.z;
   packet_.dir_x[i] = direction.x, packet_.dir_y[i] = direction.y, packet_.dir_z[i] = direction.z;
-  packet_.tnear[i] = 0, packet_.tfar[i] = kReach / shrink, packet_.time[i] = 0, packet_.mask[i] = ~0u;
+  packet_.tnear[i] = 0, packet_.tfar[i] = kReach / shrink, packet_.time[i] = 0, packet_.mask[i] = mask;
   valid_[i] = -1;
   results_[i] = &visible;
   if (count_ == kPacket) flush();

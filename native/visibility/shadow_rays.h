@@ -19,10 +19,10 @@ struct ShadowOrigin {
   ShadowSide front, back;
 };
 
-/// Shadow rays from one shading point.
+/// Shadow rays from one shading point, of a kind.
 class ShadowRays {
  public:
-  ShadowRays(const Geometry& geometry, const SurfacePoint& surface);
+  ShadowRays(const Geometry& geometry, const SurfacePoint& surface, RayMask mask = kShadowRay);
 
   /// Traces rays to those of kPacket points whose contribution is positive, and sets the contribution of each
   /// that something hides to zero; transparent surfaces leave a part of it. x, y, z: from the shading point
@@ -33,6 +33,7 @@ class ShadowRays {
  private:
   const Geometry& geometry_;
   ShadowOrigin origin_;
+  RayMask mask_;
   bool usable_;
 };
 
@@ -44,7 +45,7 @@ class ShadowQueue {
   /// A ray from a surface point along `to_light`, which ends on the luminaire. `visible` is set to 1 or 0 at
   /// the latest by flush(), and must live until then. Behind transparent surfaces it is 1 with the share of
   /// the light that they leave as probability, drawn by the ray alone.
-  void add(const SurfacePoint& surface, const Vec3f& to_light, uint8_t& visible);
+  void add(const SurfacePoint& surface, const Vec3f& to_light, RayMask mask, uint8_t& visible);
   void flush();
 
   uint64_t traced() const { return traced_; }

@@ -42,16 +42,18 @@ class Recording:
                 recording.materials.append(SimpleNamespace(name=name, **program))
                 return super().add_program(name, **program)
 
-            def add_instance(self, name, mesh, matrix, materials):
-                recording.instances.append(SimpleNamespace(name=name, mesh=mesh, matrix=matrix, materials=materials))
-                return super().add_instance(name, mesh, matrix, materials)
+            def add_instance(self, name, mesh, matrix, materials, **visibility):
+                recording.instances.append(
+                    SimpleNamespace(name=name, mesh=mesh, matrix=matrix, materials=materials, **visibility)
+                )
+                return super().add_instance(name, mesh, matrix, materials, **visibility)
 
-            def add_area_light(self, name, shape, matrix, size, radiance, cast_shadow, spread):
+            def add_area_light(self, name, shape, matrix, size, radiance, cast_shadow, spread, role):
                 recording.lights.append(
                     SimpleNamespace(name=name, shape=shape, matrix=matrix, size=size, radiance=radiance,
-                                    cast_shadow=cast_shadow, spread=spread)
+                                    cast_shadow=cast_shadow, spread=spread, role=role)
                 )  # fmt: skip
-                return super().add_area_light(name, shape, matrix, size, radiance, cast_shadow, spread)
+                return super().add_area_light(name, shape, matrix, size, radiance, cast_shadow, spread, role)
 
             def add_point_light(self, name, matrix, radius, intensity, **shape):
                 recording.lights.append(
@@ -59,19 +61,19 @@ class Recording:
                 )
                 return super().add_point_light(name, matrix, radius, intensity, **shape)
 
-            def add_sun(self, name, to_sun, angle, irradiance, cast_shadow):
+            def add_sun(self, name, to_sun, angle, irradiance, cast_shadow, role):
                 recording.lights.append(
                     SimpleNamespace(name=name, to_sun=to_sun, angle=angle, irradiance=irradiance,
-                                    cast_shadow=cast_shadow)
+                                    cast_shadow=cast_shadow, role=role)
                 )  # fmt: skip
-                return super().add_sun(name, to_sun, angle, irradiance, cast_shadow)
+                return super().add_sun(name, to_sun, angle, irradiance, cast_shadow, role)
 
-            def add_mesh_light(self, name, positions, triangles, matrix, radiance):
+            def add_mesh_light(self, name, positions, triangles, matrix, radiance, role):
                 recording.lights.append(
                     SimpleNamespace(name=name, positions=positions, triangles=triangles, matrix=matrix,
-                                    radiance=radiance)
+                                    radiance=radiance, role=role)
                 )  # fmt: skip
-                return super().add_mesh_light(name, positions, triangles, matrix, radiance)
+                return super().add_mesh_light(name, positions, triangles, matrix, radiance, role=role)
 
             def set_camera(self, kind, matrix, window, clip):
                 recording.camera = SimpleNamespace(kind=kind, matrix=matrix, window=window, clip=clip)

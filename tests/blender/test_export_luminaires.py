@@ -141,12 +141,17 @@ def test_spread(scene, recorded):
     assert found.lights[0].spread == pytest.approx(math.pi / 2) and found.notes == []
 
 
-def test_a_light_that_the_camera_should_see_has_a_note(scene, recorded):
+def test_roles(scene, recorded):
+    """Who sees a light, and what it lights, follows its ray visibility."""
     light = add_light(scene, "POINT")
-    light.visible_camera = False
-    assert recorded().notes == []
+    role = recorded().lights[0].role
+    assert (role.to_camera, role.in_mirrors, role.diffuse, role.glossy) == (False, True, True, True)
     light.visible_camera = True
-    assert recorded().notes == ["light 'Light': visibility to the camera not supported yet and ignored"]
+    light.visible_glossy = light.visible_diffuse = False
+    found = recorded()
+    role = found.lights[0].role
+    assert (role.to_camera, role.in_mirrors, role.diffuse, role.glossy) == (True, False, False, False)
+    assert found.notes == []
 
 
 def test_emission_nodes_multiply(scene, recorded):

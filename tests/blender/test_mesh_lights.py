@@ -99,9 +99,12 @@ def test_textured_emission_is_noted(scene, monkeypatch):
     assert any("'Emission' emits by a texture, which does not light the scene yet" in note for note in found.notes)
 
 
-def test_an_object_that_diffuse_rays_do_not_see_lights_nothing(scene, monkeypatch):
+def test_an_object_that_no_reflected_rays_see_lights_nothing(scene, monkeypatch):
     add_camera(scene)
     lamp = add_plane(scene)
     lamp.data.materials.append(emissive_material("Glow"))
     lamp.visible_diffuse = False
+    (light,) = record(scene, monkeypatch).lights
+    assert not light.role.diffuse and light.role.glossy
+    lamp.visible_glossy = False
     assert record(scene, monkeypatch).lights == []

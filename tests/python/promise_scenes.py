@@ -172,8 +172,24 @@ def soft_boxes(stage):
         stage.scene.add_area_light("box", shape, matrix, (1.0, 0.7), (12.0,) * 3, stage.shadows, spread)
 
 
+def lamps_seen(stage):
+    """Lamps in the picture themselves, one before the other, and again in a mirror on the floor and on a wall."""
+    for shape, matrix in (
+        (floor(half=3.0, z=0.05), np.eye(4)),
+        (floor(half=2.5), translation(-3.0, 3.0, 2.0) @ rotation([1, 0.4, 0], 90)),
+    ):
+        add(stage.scene, "mirror", shape, matrix, albedo=0.2, mirror=(0.7, 0.7, 0.7))
+    solid_shapes(stage)
+    role = pn.LuminaireRole(to_camera=True, in_mirrors=True)
+    bright = (1.5,) * 3
+    tilted = translation(0.5, 0.5, 2.6) @ rotation([1, 0.2, 0], -70) @ rotation([1, 0, 0], 180)
+    stage.scene.add_area_light("seen", "ELLIPSE", tilted, (2.0, 1.2), bright, stage.shadows, role=role)
+    stage.scene.add_point_light("ball", translation(-1.5, -1.5, 1.5), 0.4, (0.4,) * 3, stage.shadows, role=role)
+    stage.scene.add_sun("sun", (-0.5, 1.0, 0.7), 0.2, (0.02,) * 3, stage.shadows, role=role)
+
+
 SCENES = (open_floor, solid_objects, slanted_fence, wires, blinds, foliage, ellipse_and_square, many_luminaires,
-          ball, spots, sunny, overcast, garden, glowing_ball, glowing_ribbon, soft_boxes)  # fmt: skip
+          ball, spots, sunny, overcast, garden, glowing_ball, glowing_ribbon, soft_boxes, lamps_seen)  # fmt: skip
 
 
 def make(function, shadows=True):

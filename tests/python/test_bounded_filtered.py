@@ -14,6 +14,7 @@ from promise_scenes import (
     ball,
     blinds,
     ellipse_and_square,
+    lamps_seen,
     make,
     open_floor,
     slanted_fence,
@@ -47,7 +48,7 @@ def filtered(scene, **settings):
 @pytest.mark.slow
 @pytest.mark.parametrize("tolerance", [0.02, 0.004])
 @pytest.mark.parametrize(
-    "scene", [open_floor, solid_objects, slanted_fence, wires, blinds, ellipse_and_square, ball, sunny]
+    "scene", [open_floor, solid_objects, slanted_fence, wires, blinds, ellipse_and_square, ball, sunny, lamps_seen]
 )
 def test_coverage(scene, tolerance):
     picture, true = filtered(scene, error_tolerance=tolerance), reference(scene)

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from ..notes import Notes
 from . import camera, world
 from .errors import ExportCancelled, ExportError
+from .light_linking import LightLinking
 from .luminaires import Luminaires
 from .materials import Materials
 from .mesh_lights import MeshLights
@@ -40,9 +41,10 @@ def export_scene(pn, depsgraph, camera_object, notes: Notes, is_cancelled: Calla
     scene = pn.Scene()
     materials = Materials(pn, scene, notes, depsgraph.view_layer_eval.material_override,
                           depsgraph.scene_eval.frame_current)  # fmt: skip
-    meshes = Meshes(scene, materials, notes)
-    luminaires = Luminaires(scene, notes)
-    mesh_lights = MeshLights(scene, notes, depsgraph.view_layer_eval.material_override)
+    linking = LightLinking(pn, depsgraph, notes)
+    meshes = Meshes(pn, scene, materials, notes, linking)
+    luminaires = Luminaires(pn, scene, notes, linking)
+    mesh_lights = MeshLights(pn, scene, notes, linking, depsgraph.view_layer_eval.material_override)
 
     if space is None:
         camera.export(scene, depsgraph, camera_object, notes)

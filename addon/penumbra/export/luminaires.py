@@ -12,8 +12,10 @@ import numpy as np
 from .. import compat
 from ..notes import Notes
 from .errors import ExportError
+from .light_linking import LightLinking
 from .nodes import follow, socket_colour, socket_value
 from .radiometry import Colour, area_radiance, point_intensity, scaled, sun_irradiance
+from .visibility import role_of
 
 SHAPES = {"SQUARE": "RECTANGLE", "RECTANGLE": "RECTANGLE", "DISK": "ELLIPSE", "ELLIPSE": "ELLIPSE"}
 WIDEST_SUN = math.pi
@@ -42,11 +44,6 @@ def ignored_features(light_object) -> list[str]:
     found = []
     if not getattr(light, "normalize", True):  # Blender 4.5+
         found.append("normalize off")
-    if light_object.visible_camera:
-        found.append("visibility to the camera")
-    linking = getattr(light_object, "light_linking", None)  # Blender 4.0+
-    if linking and (linking.receiver_collection or linking.blocker_collection):
-        found.append("light linking")
     return found
 
 
@@ -63,8 +60,8 @@ def oriented(matrix: np.ndarray) -> np.ndarray:
 class Luminaires:
     """The native scene's luminaires."""
 
-    def __init__(self, native_scene, notes: Notes) -> None:
-        self._scene, self._notes = native_scene, notes
+    def __init__(self, native_module, native_scene, notes: Notes, linking: LightLinking) -> None:
+        self._module, self._scene, self._notes, self._linking = native_module, native_scene, notes, linking
 
     def add(self, instance) -> None:
         """Adds one entry of depsgraph.object_instances whose object is a light."""
@@ -101,7 +98,7 @@ class Luminaires:
             return
         self._scene.add_area_light(
             light_object.name, shape, matrix, size, area_radiance(light.energy, colour, area),
-            cast_shadow=compat.light_casts_shadows(light), spread=min(light.spread, math.pi),
+            spread=min(light.spread, math.pi), **self._common(light_object),
         )  # fmt: skip
 
     def _add_point(self, light_object, matrix: np.ndarray, colour: Colour, issues: list[str]) -> None:
@@ -118,8 +115,7 @@ class Luminaires:
                 matrix = oriented(matrix)
         self._scene.add_point_light(
             light_object.name, matrix, light.shadow_soft_size, point_intensity(light.energy, colour),
-            cast_shadow=compat.light_casts_shadows(light),
-            shape="SPHERE" if compat.light_is_sphere(light) else "FACING_DISK", **cone,
+            shape="SPHERE" if compat.light_is_sphere(light) else "FACING_DISK", **cone, **self._common(light_object),
         )  # fmt: skip
 
     def _add_sun(self, light_object, matrix: np.ndarray, colour: Colour, issues: list[str]) -> None:
@@ -133,8 +129,13 @@ class Luminaires:
             issues.append("its angle was cut to 180 degrees")
         self._scene.add_sun(
             light_object.name, matrix[:3, 2], angle, sun_irradiance(light.energy, colour, angle),
-            cast_shadow=compat.light_casts_shadows(light),
+            **self._common(light_object),
         )  # fmt: skip
+
+    def _common(self, light_object) -> dict:
+        """What all kinds of luminaires are told."""
+        return {"cast_shadow": compat.light_casts_shadows(light_object.data),
+                "role": role_of(self._module, light_object, self._linking)}  # fmt: skip
 
 
 def check_finite(light_object, what: str, values) -> None:

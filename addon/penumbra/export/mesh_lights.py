@@ -6,26 +6,27 @@ import numpy as np
 from ..notes import Notes
 from .emission import emission_of
 from .errors import ExportError
+from .light_linking import LightLinking
 from .meshes import MeshArrays, read_mesh
+from .visibility import role_of
 
 
 class MeshLights:
     """The native scene's luminaires made of meshes; a view layer's `override` replaces all materials."""
 
-    def __init__(self, native_scene, notes: Notes, override=None) -> None:
-        self._scene, self._notes, self._override = native_scene, notes, override
+    def __init__(self, native_module, native_scene, notes: Notes, linking: LightLinking, override=None) -> None:
+        self._module, self._scene, self._notes, self._linking = native_module, native_scene, notes, linking
+        self._override = override
         self._emissions: dict[int, np.ndarray] = {}
         self._arrays: dict[int, MeshArrays] = {}
 
     def add(self, instance) -> None:
-        """Adds one entry of depsgraph.object_instances whose object is a mesh: a luminaire for each of its radiances.
-
-        As in Cycles, an object that diffuse rays do not see lights nothing.
-        """
+        """Adds one entry of depsgraph.object_instances whose object is a mesh: a luminaire for each radiance."""
         evaluated_object = instance.object
         slots = [self._override or slot.material for slot in evaluated_object.material_slots] or [self._override]
         emissions = np.array([self._emission(material) for material in slots])
-        if not emissions.any() or not getattr(evaluated_object, "visible_diffuse", True):
+        role = role_of(self._module, evaluated_object, self._linking)
+        if not emissions.any() or not (role.diffuse or role.glossy):
             return
         arrays = self._read(evaluated_object)
         slot_of = np.minimum(arrays.material_slots, len(slots) - 1)
@@ -33,7 +34,8 @@ class MeshLights:
         for radiance in np.unique(emissions, axis=0):
             triangles = arrays.triangles[(emissions == radiance).all(1)[slot_of]]
             if radiance.any() and len(triangles):
-                self._scene.add_mesh_light(evaluated_object.name, arrays.positions, triangles, matrix, tuple(radiance))
+                self._scene.add_mesh_light(evaluated_object.name, arrays.positions, triangles, matrix, tuple(radiance),
+                                           role=role)  # fmt: skip
 
     def _emission(self, material) -> np.ndarray:
         if material is None:

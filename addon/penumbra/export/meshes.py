@@ -7,8 +7,10 @@ import numpy as np
 
 from .. import compat
 from ..notes import Notes
+from .light_linking import LightLinking
 from .materials import Exported, Materials
 from .shader import at_corners
+from .visibility import rays_of
 
 
 class MeshArrays(NamedTuple):
@@ -44,8 +46,6 @@ def unsupported(evaluated_object) -> list[str]:
     """What an object asks for that Penumbra leaves out."""
     found = [text for flag, text in (("is_holdout", "holdout"), ("is_shadow_catcher", "shadow catcher"))
              if getattr(evaluated_object, flag, False)]  # fmt: skip
-    if not all(getattr(evaluated_object, flag, True) for flag in ("visible_camera", "visible_shadow")):
-        found.append("ray visibility")
     if any(s.settings.type == "HAIR" and s.settings.render_type == "PATH" for s in evaluated_object.particle_systems):
         found.append("particle hair")
     return found
@@ -54,8 +54,9 @@ def unsupported(evaluated_object) -> list[str]:
 class Meshes:
     """The native scene's meshes and instances."""
 
-    def __init__(self, native_scene, materials: Materials, notes: Notes) -> None:
-        self._scene, self._materials, self._notes = native_scene, materials, notes
+    def __init__(self, native_module, native_scene, materials: Materials, notes: Notes, linking: LightLinking) -> None:
+        self._module, self._scene, self._notes = native_module, native_scene, notes
+        self._materials, self._linking = materials, linking
         self._mesh_ids: dict[tuple[int, frozenset[int]], int | None] = {}
         self._slots: dict[tuple[int, int], list[Exported]] = {}
 
@@ -80,7 +81,9 @@ class Meshes:
         if mesh_id is None:
             return
         matrix = np.array(instance.matrix_world, dtype=np.float64)
-        self._scene.add_instance(evaluated_object.name, mesh_id, matrix, [slot.number for slot in slots])
+        self._scene.add_instance(evaluated_object.name, mesh_id, matrix, [slot.number for slot in slots],
+                                 rays=rays_of(self._module, instance, self._linking),
+                                 receiver_set=self._linking.receiver_set(instance))  # fmt: skip
 
     def _export(self, evaluated_object, attributes: frozenset[int]) -> int | None:
         """The native id of an object's mesh with these attributes, None if it has no triangles.
