@@ -94,8 +94,8 @@ constexpr NamedOperation kOperations[] = {
     {"rgb_from_hsv", convert<rgb_from_hsv>},
     {"hsl_from_rgb", convert<hsl_from_rgb>},
     {"rgb_from_hsl", convert<rgb_from_hsl>},
-    {"ramp", ramp},
-    {"curves", curves},
+    {"ramp", ramp, true, DataKind::kRamp},
+    {"curves", curves, true, DataKind::kCurves},
 };
 
 }  // namespace

@@ -14,7 +14,7 @@ void image(Machine& m, const Operation& o) {
   m.set_second(o, texel.alpha);
 }
 
-constexpr NamedOperation kOperations[] = {{"image", image, false}};
+constexpr NamedOperation kOperations[] = {{"image", image, false, DataKind::kImage}};
 
 }  // namespace
 

@@ -43,11 +43,18 @@ struct Machine {
 /// Turns a bumped normal towards the surface's own until the viewer's mirror direction leaves the surface.
 Vec3f with_valid_reflection(const Machine& machine, const Vec3f& bumped);
 
+/// What an operation's `data` is: any number, or a place in the tables, or an image's number.
+enum class DataKind : uint8_t { kNumber, kMatrix, kRamp, kCurves, kImage };
+
 /// An operation by its name. `pure`: the result depends on the inputs alone, so that constants can be folded.
 struct NamedOperation {
   const char* name;
   OperationFunction function;
   bool pure = true;
+  DataKind data = DataKind::kNumber;
+
+  /// Whether `data` names a whole table, or one of so many images.
+  bool fits(int32_t data, std::span<const float> tables, size_t images) const;
 };
 
 /// The families, each in a file of its own.

@@ -29,6 +29,18 @@ bool is_pure(OperationFunction function) {
 
 }  // namespace
 
+bool NamedOperation::fits(int32_t at, std::span<const float> tables, size_t images) const {
+  if (data == DataKind::kNumber) return true;
+  if (at < 0) return false;
+  if (data == DataKind::kImage) return size_t(at) < images;
+  if (size_t(at) >= tables.size()) return false;
+  const std::span<const float> table = tables.subspan(size_t(at));
+  if (data == DataKind::kMatrix) return table.size() >= 12;
+  const size_t head = data == DataKind::kRamp ? 2 : 4, channels = data == DataKind::kRamp ? 4 : 3;
+  const float places = table[0], least = data == DataKind::kRamp ? 1 : 2, most = 1 << 24;
+  return places >= least && places <= most && table.size() >= head + channels * size_t(places);
+}
+
 const NamedOperation* find_operation(const std::string& name) {
   const auto found = names().find(name);
   return found == names().end() ? nullptr : found->second;

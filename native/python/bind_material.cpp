@@ -18,8 +18,8 @@ constexpr size_t kMaxRegisters = 65536;
 
 class ProgramReader {
  public:
-  ProgramReader(const std::string& name, const FloatArray& registers, const FloatArray& tables)
-      : name_(name) {
+  ProgramReader(const std::string& name, const FloatArray& registers, const FloatArray& tables, size_t images)
+      : name_(name), images_(images) {
     check_shape(registers, {kAny, 3}, name, "registers");
     check_shape(tables, {kAny}, name, "tables");
     const auto count = size_t(registers.shape(0));
@@ -38,6 +38,9 @@ class ProgramReader {
     register_number(out + 1);
     if (in.size() > Operation::kMaxInputs || shift < 0 || shift > 2)
       throw py::value_error(name_ + ": operation '" + operation_name + "' has impossible inputs");
+    if (!named->fits(data, program_.tables, images_))
+      throw py::value_error(name_ + ": operation '" + operation_name +
+                            "' reads beyond the tables or images: " + std::to_string(data));
     for (size_t i = 0; i < in.size(); ++i) operation.in[i] = register_number(in[i]);
     program_.operations.push_back(operation);
   }
@@ -76,13 +79,14 @@ class ProgramReader {
   }
 
   std::string name_;
+  size_t images_;
   Program program_;
 };
 
 uint32_t add_program(PythonScene& self, const std::string& name, const FloatArray& registers,
                      const std::vector<PythonOperation>& operations, const FloatArray& tables,
                      const std::vector<PythonClosure>& closures, int normal) {
-  ProgramReader reader(name, registers, tables);
+  ProgramReader reader(name, registers, tables, self.scene->images().size());
   for (const auto& operation : operations) reader.add(operation);
   for (const auto& closure : closures) reader.add(closure);
   Program program = reader.finish(normal);

@@ -81,7 +81,8 @@ bool Film::write(uint32_t x, uint32_t y, const PixelValues& values) {
     }
   };
   const auto store3 = [&](std::vector<float>* pass, const Vec3d& v) { store(pass, 3, {v.x, v.y, v.z}); };
-  store(combined_, 4, {values.combined.x, values.combined.y, values.combined.z, values.alpha});
+  const double alpha = std::clamp(values.alpha, 0.0, 1.0);  // a surface may pass on more than it gets
+  store(combined_, 4, {values.combined.x, values.combined.y, values.combined.z, alpha});
   store(depth_, 1, {values.depth});
   store3(normal_, values.normal);
   store3(position_, values.position);

@@ -333,9 +333,9 @@ void FilteredBlock::refine_smooth(const Rectangle& tile) {
 
 void FilteredBlock::refine_edges(const Rectangle& tile) {
   const std::vector<uint32_t> edges = pixels_of(tile, [this](uint32_t p) { return frame_.edge[p]; });
-  std::vector<uint32_t> open;
-  for (open = edges; !open.empty();) {
-    std::vector<uint32_t> again;
+  std::vector<uint32_t> open = edges, again;
+  while (!open.empty()) {
+    again.clear();
     const double smoothed = smoothed_constant(edges);
     for (uint32_t p : open) {
       FilteredPixel& pixel = pixels_[p];
@@ -348,7 +348,7 @@ void FilteredBlock::refine_edges(const Rectangle& tile) {
       if (!pixel.at_limit) again.push_back(p);
     }
     for (uint32_t p : again) advance(p);
-    open = std::move(again);
+    open.swap(again);
   }
 }
 

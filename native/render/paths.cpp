@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "render/paths.h"
 
+#include <cmath>
+
 namespace penumbra {
 namespace {
 
@@ -10,6 +12,9 @@ constexpr uint32_t kMaxPassed = 256, kMaxLitPassed = 7;
 constexpr double kSeenOpacity = 0.5;
 /// Share of the light below which a path ends: far below a display's steps.
 constexpr double kNegligible = 1e-5;
+/// Where surfaces both reflect and let through, a path becomes a tree without end: that share doubles every
+/// so many rays, until after 17 times as many it is 1, and the path ends. Guarded by test_d_paths.py.
+constexpr uint32_t kRaysPerDoubling = 1024, kMostRays = 17 * kRaysPerDoubling;
 
 double average(const Vec3d& c) {
   return (c.x + c.y + c.z) / 3;
@@ -77,10 +82,12 @@ PathEnd PathTracer::follow(Ray ray, Hit hit, uint32_t pixel, uint64_t stream, st
   end.alpha = 1;
   const bool perspective = scene_.camera().kind == CameraKind::kPerspective;
   const double scale = geometry_.normalization().scale;
-  uint32_t lit = 0;
+  uint32_t lit = 0, rays = 0;
   std::vector<Part> waiting;  // mirrors in surfaces that the path went through
   Part part{.ray = ray, .hit = hit, .footprint = perspective ? 0 : pixel_ * scale};
   for (;;) {
+    const double negligible =
+        rays < kMostRays ? std::ldexp(kNegligible, int(rays / kRaysPerDoubling)) : INFINITY;
     Part mirrored;
     bool goes_on = false;
     if (!part.hit.found()) {
@@ -116,7 +123,7 @@ PathEnd PathTracer::follow(Ray ray, Hit hit, uint32_t pixel, uint64_t stream, st
 
       const Vec3d reflected = part.throughput * closures.mirror,
                   passing = part.throughput * closures.transparency;
-      if (part.mirrors < mirror_depth_ && max_component(reflected) > 0) {
+      if (part.mirrors < mirror_depth_ && max_component(reflected) > negligible) {
         mirrored = part;
         mirrored.ray = {surface.position + surface.geometric_normal * surface.rounding,
                         normalize(reflect(part.ray.direction, surface.normal)), 0, 1e30, kMirrorRay};
@@ -126,7 +133,7 @@ PathEnd PathTracer::follow(Ray ray, Hit hit, uint32_t pixel, uint64_t stream, st
         ++mirrored.mirrors;
         waiting.push_back(mirrored);
       }
-      if (max_component(passing) > kNegligible && part.passed < kMaxPassed) {
+      if (max_component(passing) > negligible && part.passed < kMaxPassed) {
         part.ray.origin = surface.position - surface.geometric_normal * surface.rounding;
         part.ray.t_near = 0;
         part.ray.t_far -= t;
@@ -144,6 +151,7 @@ PathEnd PathTracer::follow(Ray ray, Hit hit, uint32_t pixel, uint64_t stream, st
     }
     geometry_.intersect(&part.ray, 1, &part.hit);
     ++mirror_rays;
+    ++rays;
   }
 }
 

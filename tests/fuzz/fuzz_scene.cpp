@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Any bytes as a scene and settings, built and rendered: it is refused with an exception, or every pixel is
 // finite.
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <numbers>
 
 #include "bytes.h"
+#include "material/evaluate.h"
 #include "render/renderer.h"
 
 namespace penumbra {
@@ -30,22 +33,129 @@ Mesh read_mesh(Bytes& in) {
   return mesh;
 }
 
+/// Of every kind.
 void read_luminaire(Bytes& in, Scene& scene) {
   const Affine place = in.transform();
   const double x = in.number(), y = in.number();
   const Vec3d radiance = in.vector();
-  if (in.flag()) {
-    const auto shape = in.flag() ? LuminaireShape::kRectangle : LuminaireShape::kEllipse;
-    scene.add_luminaire(
-        AreaLuminaire{"area", shape, place, std::abs(x), std::abs(y), radiance, in.byte() > 20});
-    return;
+  const bool shadow = in.byte() > 20;
+  switch (in.below(5)) {
+    case 0:
+    case 1: {
+      const auto shape = in.flag() ? LuminaireShape::kRectangle : LuminaireShape::kEllipse;
+      AreaLuminaire area{"area", shape, place, std::abs(x), std::abs(y), radiance, shadow};
+      if (in.below(3) == 0) area.spread = std::numbers::pi * in.share();
+      return scene.add_luminaire(area);
+    }
+    case 2: {
+      PointLuminaire point{"point",  in.flag() ? RoundShape::kSphere : RoundShape::kFacingDisk,
+                           place,    std::abs(x),
+                           radiance, shadow,
+                           {}};
+      if (in.flag()) point.spot = SpotCone{std::abs(y), in.share(), in.flag()};
+      return scene.add_luminaire(point);
+    }
+    case 3:
+      return scene.add_luminaire(SunLuminaire{"sun", place.z_axis, 1.6 * in.share(), radiance, shadow});
+    default: {
+      Mesh mesh = read_mesh(in);
+      for (Vec3d& p : mesh.positions) p = place.point(p);
+      return scene.add_luminaire(
+          MeshLuminaire{"glowing", std::move(mesh.positions), std::move(mesh.triangles), radiance, shadow});
+    }
   }
-  PointLuminaire point{"point",  in.flag() ? RoundShape::kSphere : RoundShape::kFacingDisk,
-                       place,    std::abs(x),
-                       radiance, in.byte() > 20,
-                       {}};
-  if (in.flag()) point.spot = SpotCone{std::abs(y), in.share(), in.flag()};
-  scene.add_luminaire(point);
+}
+
+Background read_background(Bytes& in) {
+  Background background{in.colour(), in.flag()};
+  background.lights = in.flag(), background.seen_by_camera = in.flag();
+  if (in.flag()) return background;
+  auto sky = std::make_shared<Environment>();
+  sky->width = 1 + in.below(8), sky->height = 1 + in.below(8);
+  for (uint32_t i = 0; i < sky->width * sky->height; ++i)
+    sky->pixels.push_back(in.byte() < 250 ? Vec3f(in.colour()) : Vec3f(in.vector()));
+  sky->local_from_world = in.below(4) == 0 ? in.transform() : Affine{};
+  sky->smooth = in.flag();
+  background.environment = sky;
+  return background;
+}
+
+/// Operations of all names on each other's results, and closures of them.
+Material read_program(Bytes& in, size_t images) {
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> all = operation_names();
+    std::sort(all.begin(), all.end());
+    return all;
+  }();
+  Program program;
+  const uint32_t constants = 1 + in.below(8), steps = in.below(12);
+  program.registers.emplace_back();
+  for (uint32_t i = 1; i < constants; ++i)
+    program.registers.push_back(in.flag() ? Vec3f(in.colour()) : Vec3f(in.vector()));
+  for (uint32_t i = in.below(40); i > 0; --i) program.tables.push_back(float(in.number()));
+  if (in.flag()) program.tables = {2, 0, 0, 0, 0, 1, 1, 1, 1, 1, 0, 0};  // a ramp, a matrix
+  for (uint32_t i = 0; i < steps; ++i) {
+    const NamedOperation* named = find_operation(names[in.byte() * 256u % names.size()]);
+    if (in.flag()) named = find_operation(names[in.byte() % names.size()]);
+    const int32_t data = in.byte() < 200 ? 0 : in.byte();
+    if (!named->fits(data, program.tables, images)) continue;
+    Operation operation{named->function, {}, uint16_t(program.registers.size()), uint16_t(in.below(3)), data};
+    for (uint16_t& input : operation.in) input = uint16_t(in.byte() % program.registers.size());
+    program.operations.push_back(operation);
+    program.registers.resize(program.registers.size() + 2);
+  }
+  const auto any_register = [&] {
+    return uint16_t(program.registers.size() - 1 - in.byte() % program.registers.size());
+  };
+  for (uint32_t i = in.below(4); i > 0; --i) {
+    const auto kind = ClosureKind(in.below(uint32_t(ClosureKind::kHoldout) + 1));
+    const uint16_t colour = any_register(), edge = any_register(), ior = any_register();
+    program.closures.push_back({kind, colour, edge, ior, any_register()});
+  }
+  if (in.below(3) == 0) program.normal = any_register();
+  fold(program);
+  Material material;
+  if (is_constant(program)) {
+    static_cast<Closures&>(material) = constant_closures(program);
+  } else {
+    if (program.has(ClosureKind::kTransparent))
+      material.shadow_program = std::make_shared<const Program>(transparency_of(program));
+    material.program = std::make_shared<const Program>(std::move(program));
+  }
+  material.name = "program";
+  return material;
+}
+
+/// A file of 4 x 2 pixels, or of any bytes.
+Image read_image(Bytes& in) {
+  Image image;
+  image.name = "image";
+  std::string bytes;
+  if (in.byte() < 230) {
+    float pixels[4 * 2 * 4];
+    const uint32_t channels = 1 + in.below(4);
+    for (float& pixel : pixels) pixel = float(in.byte() < 250 ? in.share() : in.number());
+    bytes = encode_image(4, 2, channels, pixels);
+  } else {
+    for (uint32_t i = in.byte(); i > 0; --i) bytes.push_back(char(in.byte()));
+  }
+  image.files.push_back({1001 + in.byte() / 250u, "pixels.exr", std::make_shared<const std::string>(bytes)});
+  image.tiled = in.below(4) == 0, image.srgb = in.flag();
+  image.wrap = ImageWrap(in.below(4));
+  image.interpolation = ImageInterpolation(in.below(3));
+  image.alpha = ImageAlpha(in.below(4));
+  return image;
+}
+
+/// The paper's BRDF.
+Material read_material(Bytes& in) {
+  Material material;
+  material.name = "material";
+  material.diffuse = in.colour();
+  if (in.flag()) material.phong = in.colour() * 0.3, material.phong_exponent = std::abs(in.number()) * 10;
+  if (in.flag()) material.mirror = in.colour() * 0.3;
+  if (in.byte() < 250) material.diffuse = material.diffuse * 0.4;
+  return material;
 }
 
 void read_camera(Bytes& in, Scene& scene) {
@@ -97,17 +207,15 @@ void check(const Film& film, const RenderSettings& settings) {
 void render(Bytes& in) {
   auto scene = std::make_shared<Scene>();
   read_camera(in, *scene);
-  scene->set_background({in.colour(), in.flag()});
-  const uint32_t materials = 1 + in.below(3), meshes = 1 + in.below(3), instances = in.below(6),
-                 lights = in.below(4);
+  scene->set_background(read_background(in));
+  const uint32_t images = in.below(8) == 0, materials = 1 + in.below(3), meshes = 1 + in.below(3),
+                 instances = in.below(6), lights = in.below(4);
+  for (uint32_t i = 0; i < images; ++i) scene->add_image(read_image(in));
   for (uint32_t i = 0; i < materials; ++i) {
-    Material material;
-    material.name = "material";
-    material.diffuse = in.colour();
-    if (in.flag()) material.phong = in.colour() * 0.3, material.phong_exponent = std::abs(in.number()) * 10;
-    if (in.flag()) material.mirror = in.colour() * 0.3;
-    if (in.byte() < 250) material.diffuse = material.diffuse * 0.4;
-    scene->add_material(material);
+    if (in.below(3) == 0)
+      scene->add_shader(read_program(in, images));
+    else
+      scene->add_material(read_material(in));
   }
   for (uint32_t i = 0; i < meshes; ++i) scene->add_mesh(read_mesh(in));
   for (uint32_t i = 0; i < instances; ++i)
@@ -118,8 +226,10 @@ void render(Bytes& in) {
   for (uint32_t i = 0; i < lights; ++i) read_luminaire(in, *scene);
   const RenderSettings settings = read_settings(in);
   auto [mesh_list, instance_list] = scene->release_geometry();
-  const auto geometry = std::make_shared<Geometry>(std::move(mesh_list), std::move(instance_list));
-  Renderer renderer(scene, geometry, std::make_shared<const Materials>(scene), settings);
+  const auto materials_of_scene = std::make_shared<const Materials>(scene);
+  const auto geometry = std::make_shared<Geometry>(std::move(mesh_list), std::move(instance_list), 0,
+                                                   scene->has_transparency() ? materials_of_scene : nullptr);
+  Renderer renderer(scene, geometry, materials_of_scene, settings);
   renderer.start();
   renderer.finish();
   check(renderer.film(), renderer.settings());

@@ -36,6 +36,63 @@ def test_mesh_arrays(arguments, message):
     assert str(refusal.value) == "Stuhl: " + message
 
 
+def program(operations, tables=(), closures=(("diffuse", 2, 0, 0, 0),), registers=4):
+    """A program that varies: its first operation reads the position."""
+    scene = pn.Scene()
+    zeros, numbers = np.zeros((registers, 3), np.float32), np.array(tables, np.float32)
+    return scene.add_program("Lack", zeros, [("position", 1, [], 0, 0), *operations], numbers, closures)
+
+
+RAMP, CURVES = [2, 0, *range(8)], [2, 0, 1, 0, *range(6)]
+
+
+@pytest.mark.parametrize(
+    ("operation", "tables", "data"),
+    [
+        ("image", [], 0),
+        ("image", [], -1),
+        ("ramp", RAMP[:-1], 0),
+        ("ramp", RAMP, 1),
+        ("ramp", RAMP, 2**31 - 1),
+        ("ramp", [np.nan, *RAMP[1:]], 0),
+        ("ramp", [1e9, *RAMP[1:]], 0),
+        ("ramp", [0, *RAMP[1:]], 0),
+        ("curves", CURVES[:-1], 0),
+        ("curves", [1, *CURVES[1:]], 0),
+        ("curves", CURVES, -(2**31)),
+        ("transform.point", range(11), 0),
+        ("transform.direction", range(12), 1),
+    ],
+)
+def test_programs_read_no_further_than_their_tables_and_images(operation, tables, data):
+    """Each crashed the process before; whole tables are taken."""
+    with pytest.raises(ValueError, match=f"^Lack: operation '{operation}' reads beyond the tables or images: {data}$"):
+        program([(operation, 2, [1, 1], 0, data)], tables)
+    assert program([("ramp", 2, [1], 0, 0)], RAMP) == 0
+    assert program([("curves", 2, [1, 1], 0, 0)], CURVES) == 0
+    assert program([("transform.point", 2, [1], 0, 0)], range(12)) == 0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (([("no such", 2, [1], 0, 0)],), "there is no operation 'no such'"),
+        (([("gamma", 3, [1], 0, 0)],), "there is no register 4"),
+        (([("gamma", -1, [1], 0, 0)],), "there is no register -1"),
+        (([("gamma", 2, [1, 4], 0, 0)],), "there is no register 4"),
+        (([("gamma", 2, [1], 3, 0)],), "operation 'gamma' has impossible inputs"),
+        (([("gamma", 2, [1] * 9, 0, 0)],), "operation 'gamma' has impossible inputs"),
+        (([], [], [("diffuse", 4, 0, 0, 0)]), "there is no register 4"),
+        (([], [], [("velvet", 1, 0, 0, 0)]), "there is no closure 'velvet'"),
+        (([], [], [], 65537), "too many nodes for one material"),
+    ],
+)
+def test_programs(arguments, message):
+    with pytest.raises(ValueError) as refusal:
+        program(*arguments)
+    assert str(refusal.value) == "Lack: " + message
+
+
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
