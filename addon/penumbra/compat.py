@@ -4,6 +4,8 @@
 import bpy
 import numpy as np
 
+from . import in_place
+
 AREA_LIGHT_WATTS_OVER_FOUR_AREAS = bpy.app.version < (4, 0, 0)
 """The radiance of an area light of power P and area A: P / (4 A) before Blender 4.0, P / (pi A) since."""
 
@@ -42,24 +44,37 @@ def write_pass(render_pass, pixels: np.ndarray) -> None:
         render_pass.rect.foreach_set(pixels)
 
 
-def has_smooth_corners(mesh) -> bool:
-    """Whether any corner normal of the mesh may differ from its face's normal."""
+def normals(mesh) -> tuple[str, np.ndarray] | None:
+    """("CORNER" or "POINT", (N, 3) float32): the normals of face corners, or of vertices where those are the same, with
+    smoothing, sharp edges and custom normals applied. None: each corner has its face's normal.
+
+    In place where possible: valid while the mesh is as it is.
+    """
     if hasattr(mesh, "normals_domain"):  # Blender 4.1+
-        return mesh.normals_domain != "FACE"
-    smooth = np.empty(len(mesh.polygons), dtype=bool)
-    mesh.polygons.foreach_get("use_smooth", smooth)
-    return bool(smooth.any()) or mesh.has_custom_normals
+        if mesh.normals_domain == "FACE":
+            return None
+        return "CORNER", in_place.column(mesh.corner_normals, "vector", np.float32, 3)
+    smooth = in_place.column(mesh.polygons, "use_smooth", bool)
+    if not smooth.any() and not mesh.has_custom_normals:
+        return None
+    if smooth.all() and not mesh.use_auto_smooth and hasattr(mesh, "vertex_normals"):
+        return "POINT", in_place.column(mesh.vertex_normals, "vector", np.float32, 3)
+    mesh.calc_normals_split()
+    values = np.empty((len(mesh.loops), 3), dtype=np.float32)
+    mesh.loops.foreach_get("normal", values.ravel())
+    return "CORNER", values
 
 
-def corner_normals(mesh) -> np.ndarray:
-    """(corners, 3) float32: the normal at each face corner, smoothing, sharp edges and custom normals applied."""
-    normals = np.empty((len(mesh.loops), 3), dtype=np.float32)
-    if hasattr(mesh, "corner_normals"):  # Blender 4.1+
-        mesh.corner_normals.foreach_get("vector", normals.ravel())
+def triangle_slots(mesh) -> np.ndarray:
+    """(T,) int32: the material slot of each of the mesh's loop triangles."""
+    attribute = mesh.attributes.get("material_index")
+    if attribute is None:
+        return np.zeros(len(mesh.loop_triangles), dtype=np.int32)
+    if hasattr(mesh, "loop_triangle_polygons"):  # Blender 4.1+
+        polygons = in_place.column(mesh.loop_triangle_polygons, "value", np.int32)
     else:
-        mesh.calc_normals_split()
-        mesh.loops.foreach_get("normal", normals.ravel())
-    return normals
+        polygons = in_place.column(mesh.loop_triangles, "polygon_index", np.int32)
+    return in_place.column(attribute.data, "value", np.int32)[polygons]
 
 
 def render_colour(mesh):

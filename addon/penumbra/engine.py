@@ -11,7 +11,7 @@ from time import perf_counter
 import bpy
 
 from . import checkpoint, native, passes, properties, statistics, viewport
-from .export import ExportCancelled, ExportError, export_scene
+from .export import ExportCancelled, ExportError, Kept, export_scene
 from .export.camera import frame_size, render_region
 from .notes import Notes
 
@@ -67,7 +67,8 @@ class PenumbraRenderEngine(bpy.types.RenderEngine):
 
         start = perf_counter()
         self.update_stats("", "Exporting the scene")
-        exported = export_scene(pn, depsgraph, self.camera_override, notes, self.test_break)
+        kept = self.kept_meshes(pn, scene)
+        exported = export_scene(pn, depsgraph, self.camera_override, notes, self.test_break, kept=kept)
         seconds = {"export": perf_counter() - start, "return": 0.0}
 
         self.update_stats("", "Building the ray tracing structure")
@@ -84,6 +85,14 @@ class PenumbraRenderEngine(bpy.types.RenderEngine):
         for text in found["warnings"]:
             notes.add(text)
         self.publish(view_layer, statistics.of_view_layer(found, seconds, notes.texts, cancelled), statistics_path)
+
+    def kept_meshes(self, pn, scene) -> Kept | None:
+        """What the frame before has left, if the scene wants data to persist: Blender keeps this instance then, and
+        with it what is held here. Otherwise each frame ends with nothing left."""
+        self.kept = getattr(self, "kept", None) or Kept(pn) if scene.render.use_persistent_data else None
+        if self.kept:
+            self.kept.begin()
+        return self.kept
 
     def check_region(self, region: tuple[int, int, int, int]) -> None:
         """Raises RuntimeError if Blender's render result has another size than the border computed here."""
@@ -122,8 +131,10 @@ class PenumbraRenderEngine(bpy.types.RenderEngine):
 
     def publish(self, view_layer, layer_statistics: dict, path) -> None:
         """Adds a view layer's statistics to the frame's: panel, picture metadata, file."""
-        layers = getattr(self, "layer_statistics", {}) | {view_layer.name: layer_statistics}
-        self.layer_statistics = layers
+        layers = getattr(self, "layer_statistics", {})
+        if view_layer.name in layers:  # of the frame before, where data persists
+            layers = {}
+        self.layer_statistics = layers = layers | {view_layer.name: layer_statistics}
         statistics.last_render = total = statistics.merge(layers)
         result = self.get_result()  # only after end_result do fields reach the file's header
         for name, text in statistics.metadata(total).items():

@@ -13,7 +13,8 @@ from time import perf_counter
 import bpy
 
 from . import native, properties, statistics
-from .export import ExportError, export_scene, is_shown
+from .export import ExportError, Kept, export_scene, is_shown
+from .export.kept import changes_in
 from .export.view import View, view_of
 from .notes import Notes
 from .progressive import STEPS, Refinement, Refiner
@@ -35,23 +36,6 @@ def of_engine(engine) -> "Viewport":
     return engine.viewport
 
 
-def content_changed(depsgraph) -> bool:
-    """Whether the last update of the depsgraph was of anything but cameras, selections and the scene's settings."""
-    updates = list(depsgraph.updates)
-    # Blender 4 tags the shading of all objects along with a scene whose settings change.
-    is_scenes = any(isinstance(update.id, bpy.types.Scene) and update.is_updated_shading for update in updates)
-    for update in updates:
-        changed = update.id
-        if isinstance(changed, bpy.types.Object):
-            is_shaded = update.is_updated_shading and not is_scenes
-            is_touched = update.is_updated_geometry or update.is_updated_transform or is_shaded
-            if is_touched and changed.type != "CAMERA":
-                return True
-        elif not isinstance(changed, bpy.types.Scene | bpy.types.Camera):
-            return True
-    return False
-
-
 def inventory(depsgraph, space) -> tuple:
     """What is in the scene, though not what it looks like: of these changes the depsgraph tells no details."""
     scene, override = depsgraph.scene, depsgraph.view_layer.material_override
@@ -68,7 +52,7 @@ class Viewport:
         self._refiner = Refiner()
         weakref.finalize(self, self._refiner.close)
         self._notes = Notes()
-        self._scene, self._inventory = None, ()
+        self._scene, self._inventory, self._kept = None, (), None
         self._wanted: tuple[int, View, dict] | None = None
         self._texture, self._shown, self._border = None, None, (0, 0, 0, 0)
         self._exported_since, self._drawn_at = 0.0, 0.0
@@ -93,14 +77,23 @@ class Viewport:
         with_failures_shown(self, self._refine, context, depsgraph)
         with_failures_shown(self, self._draw, depsgraph.scene)
 
+    @property
+    def meshes_read(self) -> int:
+        """How many meshes were read from Blender so far"""
+        return self._kept.meshes_read if self._kept else 0
+
     def _update(self, space, depsgraph) -> None:
-        found = inventory(depsgraph, space)
-        if self._scene is not None and found == self._inventory and not content_changed(depsgraph):
+        since, pn = perf_counter(), native.require()
+        found, changes = inventory(depsgraph, space), changes_in(depsgraph)
+        is_another = found != self._inventory  # objects that came may have the addresses of others that went
+        if self._scene is not None and not is_another and not changes.content:
             return
         self._refiner.cancel()
-        self._exported_since = perf_counter()
+        self._exported_since = since
         self._scene, self._inventory = None, found
-        self._scene = export_scene(native.require(), depsgraph, None, self._notes, space=space)
+        self._kept = self._kept or Kept(pn)
+        self._kept.begin(changes._replace(geometry=changes.geometry or is_another))
+        self._scene = export_scene(pn, depsgraph, None, self._notes, space=space, kept=self._kept)
         self.exports += 1
         self.failure = ""
 

@@ -119,10 +119,17 @@ std::vector<std::array<float, 4>> read_attribute(const py::array& array, const s
 std::vector<uint32_t> read_slots(const py::array& array, const std::string& name) {
   check_shape(array, {kAny}, name, "material_slots");
   check_kind(array, "iu", "an integer type", name, "material_slots");
-  const auto values = contiguous<int64_t>(array);
   std::vector<uint32_t> result(size_t(array.shape(0)));
-  for (size_t i = 0; i < result.size(); ++i)
-    result[i] = uint32_t(std::clamp<int64_t>(values.data()[i], 0, std::numeric_limits<uint32_t>::max()));
+  const auto convert = [&](const auto& values) {
+    for (size_t i = 0; i < result.size(); ++i)
+      result[i] = uint32_t(std::clamp<int64_t>(values.data()[i], 0, std::numeric_limits<uint32_t>::max()));
+  };
+  if (array.dtype().kind() == 'i' && array.itemsize() == sizeof(int32_t))
+    convert(contiguous<int32_t>(array));
+  else
+    convert(contiguous<int64_t>(array));
+  // The same for all: as none.
+  if (std::all_of(result.begin(), result.end(), [](uint32_t slot) { return slot == 0; })) result.clear();
   return result;
 }
 

@@ -7,6 +7,7 @@
 
 #include "python/arrays.h"
 #include "python/bindings.h"
+#include "visibility/placed_mesh.h"
 
 namespace penumbra::python {
 namespace {
@@ -18,10 +19,9 @@ Vec3d vec(const Color& c) {
   return {c[0], c[1], c[2]};
 }
 
-uint32_t add_mesh(PythonScene& self, const std::string& name, const py::array& positions,
-                  const py::array& triangles, const std::optional<py::array>& corner_normals,
-                  const std::optional<py::array>& material_slots,
-                  const std::map<uint32_t, py::array>& attributes) {
+Mesh read_mesh(const std::string& name, const py::array& positions, const py::array& triangles,
+               const std::optional<py::array>& corner_normals, const std::optional<py::array>& material_slots,
+               const std::map<uint32_t, py::array>& attributes) {
   Mesh mesh;
   mesh.name = name;
   mesh.positions = read_positions(positions, name);
@@ -38,7 +38,43 @@ uint32_t add_mesh(PythonScene& self, const std::string& name, const py::array& p
     check_shape(values, {triangles.shape(0), 3, 4}, name, "attributes");
     mesh.attributes.push_back({number, read_attribute(values, name)});
   }
-  return self.scene->add_mesh(std::move(mesh));
+  return mesh;
+}
+
+using Attributes = std::map<uint32_t, py::array>;
+
+uint32_t add_mesh(PythonScene& self, const std::string& name, const py::array& positions,
+                  const py::array& triangles, const std::optional<py::array>& corner_normals,
+                  const std::optional<py::array>& material_slots, const Attributes& attributes) {
+  return self.scene->add_mesh(
+      read_mesh(name, positions, triangles, corner_normals, material_slots, attributes));
+}
+
+std::shared_ptr<KeptMesh> keep(MeshStore& self, const std::string& name, const py::array& positions,
+                               const py::array& triangles, const std::optional<py::array>& corner_normals,
+                               const std::optional<py::array>& material_slots, const Attributes& attributes) {
+  Mesh mesh = read_mesh(name, positions, triangles, corner_normals, material_slots, attributes);
+  check_mesh(mesh);
+  return self.keep(std::move(mesh));
+}
+
+/// Meshes that stay from scene to scene.
+void bind_kept_meshes(py::module_& module) {
+  py::class_<KeptMesh, std::shared_ptr<KeptMesh>>(module, "KeptMesh",
+                                                  R"(A mesh with a ray tracing structure of its own.
+
+It is built when a Render first needs it, and shared by all scenes that the mesh is added to.)")
+      .def_property_readonly("name", &KeptMesh::name, "That of the object it was first kept for.");
+  py::class_<MeshStore>(module, "MeshStore", R"(Finds kept meshes by their content.
+
+It holds none itself: a mesh goes with the last KeptMesh or Scene that has it. A scene's kept meshes must all be of one
+store.)")
+      .def(py::init<>())
+      .def("keep", &keep, py::arg("name"), py::arg("positions"), py::arg("triangles"),
+           py::arg("corner_normals") = py::none(), py::arg("material_slots") = py::none(),
+           py::arg("attributes") = Attributes{},
+           "The kept mesh of this content, one from before if there is one. Arguments and errors as of "
+           "Scene.add_mesh.");
 }
 
 void set_camera(PythonScene& self, const std::string& kind, const py::array& world_from_camera,
@@ -63,6 +99,7 @@ void PythonScene::build(uint64_t memory_limit) {
 }
 
 void bind_scene(py::module_& module) {
+  bind_kept_meshes(module);
   py::class_<PythonScene> scene(module, "Scene",
                                 R"(What is to be rendered, in world space (metres), double precision.
 
@@ -73,12 +110,18 @@ copied. Once a Render was made of the scene, meshes and instances are fixed; the
   scene.def(py::init<>())
       .def("add_mesh", &add_mesh, py::arg("name"), py::arg("positions"), py::arg("triangles"),
            py::arg("corner_normals") = py::none(), py::arg("material_slots") = py::none(),
-           py::arg("attributes") = std::map<uint32_t, py::array>{},
+           py::arg("attributes") = Attributes{},
            R"(Adds triangles in object space and returns the mesh's number.
 
 positions: (V, 3) float32 or float64. triangles: (T, 3) integers, vertex indices. corner_normals: (T, 3, 3) float
 in object space, or None for flat shading. material_slots: (T,) integers, or None for slot 0. attributes: by number,
 (T, 3, 4) float at each corner: what programs read by that number.)")
+      .def(
+          "add_kept_mesh",
+          [](PythonScene& self, const std::string& name, const std::shared_ptr<KeptMesh>& mesh) {
+            return self.scene->add_kept_mesh(mesh, name, mesh->hash());
+          },
+          py::arg("name"), py::arg("mesh").none(false), "Adds a mesh that is kept and returns its number.")
       .def(
           "add_material",
           [](PythonScene& self, const std::string& name, const Color& diffuse, const Color& phong,

@@ -32,6 +32,7 @@ SampleReuse reuse_from_name(const std::string& name);
 StopRuleKind stop_rule_from_name(const std::string& name);
 FilterKind filter_from_name(const std::string& name);
 
+void bind_arrays(pybind11::module_& module);
 void bind_scene(pybind11::module_& module);
 void bind_luminaires(pybind11::module_& module, pybind11::class_<PythonScene>& scene);
 void bind_material(pybind11::module_& module, pybind11::class_<PythonScene>& scene);

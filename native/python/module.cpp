@@ -20,6 +20,7 @@ PYBIND11_MODULE(penumbra_native, module) {
   module.def(
       "self_test", &penumbra::embree::self_test,
       "Raises RuntimeError with a sentence if the loaded Embree is not the one this module was built for.");
+  python::bind_arrays(module);
   python::bind_scene(module);
   python::bind_render(module);
   python::bind_sampling(module);

@@ -28,10 +28,17 @@ class MemoryCount {
   /// Bytes; 0: no limit.
   explicit MemoryCount(uint64_t limit = 0) : limit_(limit) {}
 
+  /// From now on; what is in use counts.
+  void set_limit(uint64_t limit) {
+    limit_ = limit;
+    exceeded_ = false;
+  }
+
   /// Adds bytes (or takes some back). False once more than the limit are in use.
   bool add(int64_t bytes) {
     const int64_t used = used_ += bytes;
-    if (limit_ == 0 || bytes <= 0 || uint64_t(used) <= limit_) return true;
+    const uint64_t limit = limit_;
+    if (limit == 0 || bytes <= 0 || uint64_t(used) <= limit) return true;
     exceeded_ = true;
     return false;
   }
@@ -39,7 +46,7 @@ class MemoryCount {
   uint64_t limit() const { return limit_; }
 
  private:
-  uint64_t limit_;
+  std::atomic<uint64_t> limit_;
   std::atomic<int64_t> used_{0};
   std::atomic<bool> exceeded_{false};
 };

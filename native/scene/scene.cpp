@@ -57,21 +57,39 @@ void Scene::check_not_frozen(const std::string& name) const {
   if (frozen_) refuse(name, "the scene was rendered already: meshes and instances can't be added any more");
 }
 
-uint32_t Scene::add_mesh(Mesh mesh) {
-  check_not_frozen(mesh.name);
+void check_mesh(const Mesh& mesh) {
   check_triangles(mesh.name, mesh.positions, mesh.triangles);
   if (!mesh.corner_normals.empty() && mesh.corner_normals.size() != 3 * mesh.triangles.size())
     refuse(mesh.name, "corner normals do not match the number of triangles");
   if (!mesh.material_slots.empty() && mesh.material_slots.size() != mesh.triangles.size())
     refuse(mesh.name, "material slots do not match the number of triangles");
-  for (const Attribute& attribute : mesh.attributes) {
+  for (const Attribute& attribute : mesh.attributes)
     if (attribute.corners.size() != 3 * mesh.triangles.size())
       refuse(mesh.name, "an attribute does not match the number of triangles");
-    hash_ = hash_array(hash_, attribute.corners);
-  }
-  hash_ = hash_array(hash_array(hash_, mesh.positions), mesh.triangles);
-  hash_ = hash_array(hash_array(hash_, mesh.corner_normals), mesh.material_slots);
+}
+
+uint64_t hash_of(const Mesh& mesh) {
+  uint64_t h = 0;
+  for (const Attribute& attribute : mesh.attributes)
+    h = hash_array(hash_of(h, attribute.name), attribute.corners);
+  h = hash_array(hash_array(h, mesh.positions), mesh.triangles);
+  return hash_array(hash_array(h, mesh.corner_normals), mesh.material_slots);
+}
+
+uint32_t Scene::add_mesh(Mesh mesh) {
+  check_not_frozen(mesh.name);
+  check_mesh(mesh);
+  hash_ = hash_of(hash_, hash_of(mesh));
   meshes_.push_back(std::move(mesh));
+  return uint32_t(meshes_.size() - 1);
+}
+
+uint32_t Scene::add_kept_mesh(std::shared_ptr<KeptMesh> mesh, const std::string& name, uint64_t hash) {
+  check_not_frozen(name);
+  hash_ = hash_of(hash_, hash);
+  meshes_.push_back({});
+  meshes_.back().name = name;
+  meshes_.back().kept = std::move(mesh);
   return uint32_t(meshes_.size() - 1);
 }
 

@@ -20,6 +20,8 @@
 
 namespace penumbra {
 
+class KeptMesh;
+
 /// Triangles in object space.
 struct Mesh {
   std::string name;
@@ -28,7 +30,13 @@ struct Mesh {
   std::vector<Vec3f> corner_normals;     // three a triangle, or none: flat
   std::vector<uint32_t> material_slots;  // one a triangle, or none: slot 0
   std::vector<Attribute> attributes;
+  std::shared_ptr<KeptMesh> kept = {};  // stands for all of the above but the name (see placed_mesh.h)
 };
+
+/// Throws std::invalid_argument, with the mesh's name, if its arrays do not fit together.
+void check_mesh(const Mesh& mesh);
+/// Of all that matters for a picture.
+uint64_t hash_of(const Mesh& mesh);
 
 struct Instance {
   std::string name;
@@ -80,6 +88,8 @@ struct Background {
 class Scene {
  public:
   uint32_t add_mesh(Mesh mesh);
+  /// hash: that of the mesh behind it.
+  uint32_t add_kept_mesh(std::shared_ptr<KeptMesh> mesh, const std::string& name, uint64_t hash);
   /// The paper's BRDF.
   uint32_t add_material(Material material);
   /// A material that follows Cycles' rules instead: nothing about it is refused.

@@ -70,11 +70,19 @@ void check_errors(RTCDevice device, const std::string& what) {
   throw std::runtime_error("Embree, " + what + ": " + error_text(error));
 }
 
-void count_memory(RTCDevice device, MemoryCount& count) {
+CountedDevice::CountedDevice(uint64_t limit) : memory(limit), device(make_device()) {
   rtcSetDeviceMemoryMonitorFunction(
-      device,
+      device.get(),
       [](void* counter, ssize_t bytes, bool) { return static_cast<MemoryCount*>(counter)->add(bytes); },
-      &count);
+      &memory);
+}
+
+void CountedDevice::check_build(const std::string& what) {
+  if (memory.exceeded()) {
+    rtcGetDeviceError(device.get());  // takes Embree's own word for it away
+    throw MemoryLimitReached(memory.limit(), "building the ray tracing structure of " + what);
+  }
+  check_errors(device.get(), what);
 }
 
 std::string version() {

@@ -14,6 +14,10 @@
 
 #include "scene/memory_limit.h"
 
+namespace penumbra {
+class Geometry;
+}
+
 namespace penumbra::embree {
 
 struct Release {
@@ -27,8 +31,19 @@ using SceneHandle = std::unique_ptr<std::remove_pointer_t<RTCScene>, Release>;
 Device make_device();
 void check_errors(RTCDevice device, const std::string& what);
 
-/// Embree counts its memory there, and fails where the count refuses it. The count must outlive the device.
-void count_memory(RTCDevice device, MemoryCount& count);
+/// A device whose memory is counted: where it exceeds the limit (bytes, 0: none), Embree fails.
+struct CountedDevice {
+  explicit CountedDevice(uint64_t limit = 0);
+  CountedDevice(const CountedDevice&) = delete;
+  CountedDevice& operator=(const CountedDevice&) = delete;
+
+  /// Throws MemoryLimitReached, std::runtime_error or std::bad_alloc if anything went wrong in building
+  /// `what`.
+  void check_build(const std::string& what);
+
+  MemoryCount memory;  // outlives the device, which reports to it
+  Device device;
+};
 
 /// Throws std::runtime_error with a sentence if the Embree in this process is not the one this module was
 /// built for, or does not find a ray's hit: another copy loaded first may answer our calls in silence.
@@ -48,12 +63,15 @@ inline void intersect16(const int* valid, RTCScene scene, RTCRayHit16& rays, boo
 
 /// The context of shadow rays, with what transparent surfaces leave of each ray's light: by the rays' `id`.
 struct ShadowContext : RTCRayQueryContext {
+  const Geometry* geometry;
   float* transmittance;
 };
 
-inline void occluded16(const int* valid, RTCScene scene, RTCRay16& rays, float* transmittance) {
+inline void occluded16(const int* valid, RTCScene scene, RTCRay16& rays, const Geometry* geometry,
+                       float* transmittance) {
   ShadowContext context;
   rtcInitRayQueryContext(&context);
+  context.geometry = geometry;
   context.transmittance = transmittance;
   RTCOccludedArguments arguments;
   rtcInitOccludedArguments(&arguments);
@@ -77,12 +95,15 @@ inline void intersect16(const int* valid, RTCScene scene, RTCRayHit16& rays, boo
 
 /// The context of shadow rays, with what transparent surfaces leave of each ray's light: by the rays' `id`.
 struct ShadowContext : RTCIntersectContext {
+  const Geometry* geometry;
   float* transmittance;
 };
 
-inline void occluded16(const int* valid, RTCScene scene, RTCRay16& rays, float* transmittance) {
+inline void occluded16(const int* valid, RTCScene scene, RTCRay16& rays, const Geometry* geometry,
+                       float* transmittance) {
   ShadowContext context;
   rtcInitIntersectContext(&context);
+  context.geometry = geometry;
   context.transmittance = transmittance;
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
   rtcOccluded16(valid, scene, &context, &rays);

@@ -92,7 +92,7 @@ void Geometry::intersect(const Ray* rays, uint32_t active, Hit* hits) const {
 
 SurfacePoint Geometry::surface_point(const Ray& ray, const Hit& hit) const {
   const PlacedInstance& instance = instances_[hit.instance];
-  const PlacedMesh& mesh = meshes_[instance.mesh];
+  const PlacedMesh& mesh = *meshes_[instance.mesh];
   const auto& corners = mesh.triangles[hit.triangle];
   const Vec3d a(mesh.positions[corners[0]]), b(mesh.positions[corners[1]]), c(mesh.positions[corners[2]]);
   const Vec3d edge1 = b - a, edge2 = c - a;

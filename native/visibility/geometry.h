@@ -11,6 +11,7 @@
 #include "scene/scene.h"
 #include "scene/surface_point.h"
 #include "visibility/embree.h"
+#include "visibility/placed_mesh.h"
 
 namespace penumbra {
 
@@ -40,8 +41,8 @@ class Geometry {
 
   const Normalization& normalization() const { return normalization_; }
   RTCScene embree_scene() const { return scene_.get(); }
-  /// Some mesh is used by more than one instance; Embree's coherent 16-wide traversal must then be avoided
-  /// (Debian 12's Embree 3.13.5 hangs in it).
+  /// Some mesh is used by more than one instance, or kept; Embree's coherent 16-wide traversal must then be
+  /// avoided (Debian 12's Embree 3.13.5 hangs in it).
   bool has_shared_meshes() const { return has_shared_meshes_; }
   bool has_transparency() const { return opacity_ != nullptr; }
 
@@ -58,42 +59,31 @@ class Geometry {
   const std::vector<std::string>& notes() const { return notes_; }
   const std::string& name_of(const Hit& hit) const { return instances_[hit.instance].name; }
 
+  /// What Embree calls at surfaces that may be transparent; the context is an embree::ShadowContext.
+  static void filter_shadow_rays(const RTCFilterFunctionNArguments* arguments);
+
  private:
-  /// Positions as Embree sees them: in render space for a mesh used once, else in a unit-size space of its
-  /// own.
-  struct PlacedMesh {
-    std::vector<Vec3f> positions;  // one more than there are vertices: Embree reads 16 bytes at a time
-    std::vector<std::array<uint32_t, 3>> triangles;
-    std::vector<Vec3f> corner_normals;
-    std::vector<uint32_t> material_slots;
-    std::vector<Attribute> attributes;
-    embree::SceneHandle scene;  // only where shared
-    bool may_be_transparent = false;
-  };
   struct PlacedInstance {
     std::string name;
     uint32_t mesh;
     Affine render_from_mesh;    // from the space of PlacedMesh::positions
     Affine render_from_object;  // for normals
     double extent;              // largest coordinate difference, render space; 0 unless the mesh is shared
-    bool shared;
+    bool shared;                // the mesh has a BVH of its own, and this is an instance of that
     std::vector<uint32_t> materials;
     uint32_t receiver_set;
   };
 
-  void clean(std::vector<Mesh>& meshes, const std::vector<Instance>& instances);
-  void check_build(const std::string& what) const;
+  void clean(std::vector<Mesh>& meshes, const std::vector<uint32_t>& users);
+  std::shared_ptr<const PlacedMesh> place_shared(Mesh& mesh, const Box& box, bool may_be_transparent) const;
   RTCGeometry make_instance(PlacedInstance& placed, const PlacedMesh& mesh, const Box& box) const;
-  RTCGeometry make_triangles(const PlacedMesh& mesh) const;
   double transparency(const Ray& ray, const Hit& hit) const;
-  static void filter_shadow_rays(const RTCFilterFunctionNArguments* arguments);
 
   std::shared_ptr<const Opacity> opacity_;
   Normalization normalization_;
-  Box bounds_;          // render space
-  MemoryCount memory_;  // outlives the device, which reports to it
-  embree::Device device_;
-  std::vector<PlacedMesh> meshes_;
+  Box bounds_;                                     // render space
+  std::shared_ptr<embree::CountedDevice> device_;  // that of kept meshes, if there are any
+  std::vector<std::shared_ptr<const PlacedMesh>> meshes_;
   std::vector<PlacedInstance> instances_;
   embree::SceneHandle scene_;
   bool has_shared_meshes_ = false;

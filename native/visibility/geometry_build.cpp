@@ -9,32 +9,10 @@
 namespace penumbra {
 namespace {
 
-Box bounds_of(const std::vector<Vec3d>& positions) {
-  Box box;
-  for (const Vec3d& p : positions) box.include(p);
-  return box;
-}
-
-/// The power of two that brings a box's largest half extent into (1/2, 1]; 1 for a point or nothing.
-double unit_scale(const Box& box) {
-  const double half = box.empty() ? 0 : max_abs(box.extent()) / 2;
-  if (half == 0) return 1;
-  return std::exp2(-std::ceil(std::log2(half)));
-}
-
 Box transformed(const Box& box, const Affine& transform) {
   Box result;
   if (!box.empty())
     for (const Vec3d& corner : box.corners()) result.include(transform.point(corner));
-  return result;
-}
-
-/// Rounded to single precision, with one vertex more as padding.
-std::vector<Vec3f> rounded(const std::vector<Vec3d>& positions, const Affine& transform) {
-  std::vector<Vec3f> result;
-  result.reserve(positions.size() + 1);
-  for (const Vec3d& p : positions) result.emplace_back(transform.point(p));
-  result.emplace_back();
   return result;
 }
 
@@ -70,81 +48,83 @@ struct LeftOut {
 
 }  // namespace
 
+namespace {
+
+std::shared_ptr<embree::CountedDevice> device_for(const std::vector<Mesh>& meshes, uint64_t memory_limit) {
+  for (const Mesh& mesh : meshes) {
+    if (!mesh.kept) continue;
+    mesh.kept->device()->memory.set_limit(memory_limit);
+    return mesh.kept->device();
+  }
+  return std::make_shared<embree::CountedDevice>(memory_limit);
+}
+
+}  // namespace
+
 Geometry::Geometry(std::vector<Mesh> meshes, std::vector<Instance> instances, uint64_t memory_limit,
                    std::shared_ptr<const Opacity> opacity)
-    : opacity_(std::move(opacity)), memory_(memory_limit), device_(embree::make_device()) {
-  embree::count_memory(device_.get(), memory_);
-  clean(meshes, instances);
+    : opacity_(std::move(opacity)), device_(device_for(meshes, memory_limit)) {
   std::vector<uint32_t> users(meshes.size(), 0);
-  std::vector<Box> mesh_boxes(meshes.size());
   for (const Instance& instance : instances) ++users[instance.mesh];
-  meshes_.resize(meshes.size());
+  clean(meshes, users);
+  std::vector<bool> may_be_transparent(meshes.size(), false);
   if (opacity_)
     for (const Instance& instance : instances)
       for (const uint32_t material : instance.materials)
-        if (opacity_->may_be_transparent(material)) meshes_[instance.mesh].may_be_transparent = true;
+        if (opacity_->may_be_transparent(material)) may_be_transparent[instance.mesh] = true;
   Box world;
-  for (size_t i = 0; i < meshes.size(); ++i) mesh_boxes[i] = bounds_of(meshes[i].positions);
+  std::vector<Box> mesh_boxes;
+  for (const Mesh& mesh : meshes)
+    mesh_boxes.push_back(mesh.kept ? mesh.kept->box() : bounds_of(mesh.positions));
   for (const Instance& instance : instances)
     world.include(transformed(mesh_boxes[instance.mesh], instance.world_from_object));
   if (!world.empty()) normalization_ = {world.centre(), unit_scale(world)};
   if (!is_finite(normalization_.centre) || !std::isfinite(normalization_.scale) || normalization_.scale == 0)
     throw std::invalid_argument("the scene's extent is not finite");
 
-  scene_.reset(rtcNewScene(device_.get()));
+  scene_.reset(rtcNewScene(device_->device.get()));
   rtcSetSceneFlags(scene_.get(), RTC_SCENE_FLAG_ROBUST);
-  for (size_t i = 0; i < meshes.size(); ++i) {
-    if (users[i] == 0) continue;
-    PlacedMesh& placed = meshes_[i];
-    placed.triangles = std::move(meshes[i].triangles);
-    placed.corner_normals = std::move(meshes[i].corner_normals);
-    placed.material_slots = std::move(meshes[i].material_slots);
-    placed.attributes = std::move(meshes[i].attributes);
-    if (users[i] < 2) continue;  // placed with its one instance below
-    const double scale = unit_scale(mesh_boxes[i]);
-    const Vec3d centre = mesh_boxes[i].empty() ? Vec3d{} : mesh_boxes[i].centre();
-    placed.positions =
-        rounded(meshes[i].positions, {{scale, 0, 0}, {0, scale, 0}, {0, 0, scale}, -centre * scale});
-    placed.scene.reset(rtcNewScene(device_.get()));
-    rtcSetSceneFlags(placed.scene.get(), RTC_SCENE_FLAG_ROBUST);
-    RTCGeometry geometry = make_triangles(placed);
-    rtcAttachGeometry(placed.scene.get(), geometry);
-    rtcReleaseGeometry(geometry);
-    rtcCommitScene(placed.scene.get());
-    check_build(meshes[i].name);
-    has_shared_meshes_ = true;
-  }
+  meshes_.resize(meshes.size());
+  for (size_t i = 0; i < meshes.size(); ++i)
+    if (users[i] > 1 || (users[i] && meshes[i].kept))  // others are placed with their one instance below
+      meshes_[i] = place_shared(meshes[i], mesh_boxes[i], may_be_transparent[i]);
 
   LeftOut flat;
   for (Instance& instance : instances) {
-    PlacedMesh& mesh = meshes_[instance.mesh];
-    const Mesh& source = meshes[instance.mesh];
     const Box& box = mesh_boxes[instance.mesh];
     PlacedInstance placed{.name = std::move(instance.name),
                           .mesh = instance.mesh,
                           .render_from_mesh = {},
                           .render_from_object = normalization_.transform(instance.world_from_object),
                           .extent = 0,
-                          .shared = users[instance.mesh] > 1,
+                          .shared = meshes_[instance.mesh] != nullptr,
                           .materials = std::move(instance.materials),
                           .receiver_set = instance.receiver_set};
+    has_shared_meshes_ = has_shared_meshes_ || placed.shared;
     // A scale of zero leaves nothing to be seen, as in Cycles.
-    const bool visible = !mesh.triangles.empty() && placed.render_from_object.determinant() != 0;
+    const bool has_volume = placed.render_from_object.determinant() != 0;
     const auto id = unsigned(instances_.size());
     RTCGeometry geometry = nullptr;
-    if (visible && placed.shared) {
-      geometry = make_instance(placed, mesh, box);
-    } else if (visible) {
-      mesh.positions = rounded(source.positions, placed.render_from_object);
-      geometry = make_triangles(mesh);
+    if (!placed.shared) {
+      Mesh& source = meshes[instance.mesh];
+      auto mesh = std::make_shared<PlacedMesh>();
+      mesh->may_be_transparent = may_be_transparent[instance.mesh];
+      mesh->take(source);
+      if (has_volume && !mesh->triangles.empty()) {
+        mesh->positions = rounded(source.positions, placed.render_from_object);
+        geometry = mesh->make_triangles(device_->device.get());
+      }
+      meshes_[instance.mesh] = std::move(mesh);
     }
+    const PlacedMesh& mesh = *meshes_[instance.mesh];
+    if (placed.shared && has_volume && !mesh.triangles.empty()) geometry = make_instance(placed, mesh, box);
     if (!geometry && !mesh.triangles.empty()) flat.add(1, placed.name);
     if (geometry) {
       rtcSetGeometryMask(geometry, instance.rays);
       rtcCommitGeometry(geometry);
       rtcAttachGeometryByID(scene_.get(), geometry, id);
       rtcReleaseGeometry(geometry);
-      check_build(placed.name);
+      device_->check_build(placed.name);
       bounds_.include(transformed(box, placed.render_from_object));
       triangle_count_ += mesh.triangles.size();
     }
@@ -154,28 +134,33 @@ Geometry::Geometry(std::vector<Mesh> meshes, std::vector<Instance> instances, ui
   meshes.clear();  // the positions in double are not needed while Embree builds
   meshes.shrink_to_fit();
   rtcCommitScene(scene_.get());
-  check_build("the whole scene");
+  device_->check_build("the whole scene");
+}
+
+/// A mesh that is placed by instances of its own BVH.
+std::shared_ptr<const PlacedMesh> Geometry::place_shared(Mesh& mesh, const Box& box,
+                                                         bool may_be_transparent) const {
+  if (mesh.kept) return mesh.kept->placed(may_be_transparent);
+  auto made = std::make_shared<PlacedMesh>();
+  made->may_be_transparent = may_be_transparent;
+  made->take(mesh);
+  made->take_unit_positions(mesh.positions, box);
+  made->build(*device_, mesh.name);
+  return made;
 }
 
 /// Takes out what no ray needs, and notes it.
-void Geometry::clean(std::vector<Mesh>& meshes, const std::vector<Instance>& instances) {
+void Geometry::clean(std::vector<Mesh>& meshes, const std::vector<uint32_t>& users) {
   LeftOut without_area, copies;
-  std::vector<bool> used(meshes.size(), false);
-  for (const Instance& instance : instances) used[instance.mesh] = true;
   for (size_t i = 0; i < meshes.size(); ++i) {
-    if (!used[i]) continue;
-    const UselessTriangles found = remove_useless_triangles(meshes[i]);
+    if (!users[i]) continue;
+    const UselessTriangles found =
+        meshes[i].kept ? meshes[i].kept->left_out() : remove_useless_triangles(meshes[i]);
     without_area.add(found.without_area, meshes[i].name);
     copies.add(found.copies, meshes[i].name);
   }
   without_area.tell("triangles without area were", notes_);
   copies.tell("triangles that are copies of others were", notes_);
-}
-
-void Geometry::check_build(const std::string& what) const {
-  if (memory_.exceeded())
-    throw MemoryLimitReached(memory_.limit(), "building the ray tracing structure of " + what);
-  embree::check_errors(device_.get(), what);
 }
 
 /// None if the transform has no usable inverse.
@@ -185,28 +170,13 @@ RTCGeometry Geometry::make_instance(PlacedInstance& placed, const PlacedMesh& me
                             Affine{{1 / scale, 0, 0}, {0, 1 / scale, 0}, {0, 0, 1 / scale}, box.centre()};
   if (!has_usable_inverse(placed.render_from_mesh)) return nullptr;
   placed.extent = max_abs(transformed(box, placed.render_from_object).extent());
-  RTCGeometry geometry = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_INSTANCE);
+  RTCGeometry geometry = rtcNewGeometry(device_->device.get(), RTC_GEOMETRY_TYPE_INSTANCE);
   rtcSetGeometryInstancedScene(geometry, mesh.scene.get());
   const Affine& t = placed.render_from_mesh;
   const float columns[12] = {float(t.x_axis.x), float(t.x_axis.y), float(t.x_axis.z), float(t.y_axis.x),
                              float(t.y_axis.y), float(t.y_axis.z), float(t.z_axis.x), float(t.z_axis.y),
                              float(t.z_axis.z), float(t.origin.x), float(t.origin.y), float(t.origin.z)};
   rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns);
-  return geometry;
-}
-
-RTCGeometry Geometry::make_triangles(const PlacedMesh& mesh) const {
-  RTCGeometry geometry = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
-  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, mesh.positions.data(), 0,
-                             sizeof(Vec3f), mesh.positions.size() - 1);
-  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.triangles.data(), 0,
-                             3 * sizeof(uint32_t), mesh.triangles.size());
-  if (mesh.may_be_transparent) {
-    rtcSetGeometryUserData(geometry, const_cast<Geometry*>(this));  // read only
-    rtcSetGeometryOccludedFilterFunction(geometry, filter_shadow_rays);
-  }
-  rtcSetGeometryMask(geometry, kAnyRay);  // Embree 4's default is a bit
-  rtcCommitGeometry(geometry);
   return geometry;
 }
 

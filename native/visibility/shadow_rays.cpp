@@ -86,7 +86,7 @@ uint32_t ShadowRays::hide(const float* x, const float* y, const float* z, float*
   if (count == 0 || !usable_) return 0;
   alignas(64) float transmittance[kPacket];
   if (geometry_.has_transparency()) prepare(packet, transmittance);
-  embree::occluded16(traced, geometry_.embree_scene(), packet, transmittance);
+  embree::occluded16(traced, geometry_.embree_scene(), packet, &geometry_, transmittance);
   clear_hidden(packet.tfar, contribution);
   if (geometry_.has_transparency())
     for (uint32_t i = 0; i < kPacket; ++i) contribution[i] *= transmittance[i];
@@ -113,7 +113,7 @@ void ShadowQueue::flush() {
   if (!count_) return;
   alignas(64) float transmittance[kPacket];
   prepare(packet_, transmittance);
-  embree::occluded16(valid_, geometry_.embree_scene(), packet_, transmittance);
+  embree::occluded16(valid_, geometry_.embree_scene(), packet_, &geometry_, transmittance);
   for (uint32_t i = 0; i < count_; ++i) {
     *results_[i] = packet_.tfar[i] >= 0 && (transmittance[i] == 1 || draw(packet_, i) < transmittance[i]);
     valid_[i] = 0;

@@ -10,8 +10,9 @@ double Geometry::transparency(const Ray& ray, const Hit& hit) const {
 }
 
 void Geometry::filter_shadow_rays(const RTCFilterFunctionNArguments* arguments) {
-  const auto& geometry = *static_cast<const Geometry*>(arguments->geometryUserPtr);
-  float* transmittance = static_cast<const embree::ShadowContext*>(arguments->context)->transmittance;
+  const auto& context = *static_cast<const embree::ShadowContext*>(arguments->context);
+  const Geometry& geometry = *context.geometry;
+  float* transmittance = context.transmittance;
   const unsigned n = arguments->N;
   RTCRayN* rays = arguments->ray;
   for (unsigned i = 0; i < n; ++i) {

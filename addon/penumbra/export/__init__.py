@@ -6,13 +6,14 @@ from collections.abc import Callable
 from ..notes import Notes
 from . import camera, world
 from .errors import ExportCancelled, ExportError
+from .kept import Kept
 from .light_linking import LightLinking
 from .luminaires import Luminaires
 from .materials import Materials
 from .mesh_lights import MeshLights
 from .meshes import Meshes
 
-__all__ = ["ExportCancelled", "ExportError", "export_scene", "is_shown"]
+__all__ = ["ExportCancelled", "ExportError", "Kept", "export_scene", "is_shown"]
 
 OBJECTS_BETWEEN_BREAKS = 256
 LEFT_OUT = {
@@ -30,19 +31,19 @@ def is_shown(instance, space) -> bool:
 
 
 def export_scene(pn, depsgraph, camera_object, notes: Notes, is_cancelled: Callable[[], bool] = lambda: False,
-                 space=None):  # fmt: skip
+                 space=None, kept: Kept | None = None):  # fmt: skip
     """The native scene of an evaluated depsgraph, all in world space and metres.
 
     pn: the native module. camera_object: the evaluated camera, None for the scene's own. notes: gets one note for each
     thing that Penumbra renders differently from what the file asks. Raises ExportError or ValueError naming the object
     at fault; ExportCancelled as soon as `is_cancelled()` is seen. space: a 3D view, whose own camera is set later, and
-    whose hidden objects are left out.
+    whose hidden objects are left out. kept: what earlier exports left; its begin() tells what has changed since.
     """
     scene = pn.Scene()
     materials = Materials(pn, scene, notes, depsgraph.view_layer_eval.material_override,
-                          depsgraph.scene_eval.frame_current)  # fmt: skip
+                          depsgraph.scene_eval.frame_current, kept and kept.attributes)  # fmt: skip
     linking = LightLinking(pn, depsgraph, notes)
-    meshes = Meshes(pn, scene, materials, notes, linking)
+    meshes = Meshes(pn, scene, materials, notes, linking, kept)
     luminaires = Luminaires(pn, scene, notes, linking)
     mesh_lights = MeshLights(pn, scene, notes, linking, depsgraph.view_layer_eval.material_override)
 
@@ -62,4 +63,6 @@ def export_scene(pn, depsgraph, camera_object, notes: Notes, is_cancelled: Calla
             luminaires.add(instance)
         elif kind in LEFT_OUT:
             notes.add(f"object {instance.object.name!r}: {LEFT_OUT[kind]} are not supported yet and were left out")
+    if kept:
+        kept.end()
     return scene

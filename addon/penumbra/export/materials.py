@@ -50,13 +50,14 @@ def check_finite(material, lobes: list[Lobe]) -> None:
 class Materials:
     """The native scene's materials: each of Blender's is exported once; a view layer's `override` replaces them all."""
 
-    def __init__(self, native_module, native_scene, notes: Notes, override=None, frame: int = 1) -> None:
+    def __init__(self, native_module, native_scene, notes: Notes, override=None, frame: int = 1,
+                 attributes: AttributeNames | None = None) -> None:  # fmt: skip
         self._module, self._scene, self._notes, self._override = native_module, native_scene, notes, override
         self._exported: dict[int, Exported] = {}
         self._default: Exported | None = None
         self._operations = frozenset(native_module.operations())
         self._images = Images(native_module, native_scene, frame)
-        self.attributes = AttributeNames()
+        self.attributes = attributes or AttributeNames()
 
     def of_slots(self, evaluated_object) -> list[Exported]:
         """An object's material slots, linked to the object or to its data; at least one."""

@@ -5,8 +5,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .. import compat
+from .. import compat, in_place, native
 from ..notes import Notes
+from .kept import Kept
 from .light_linking import LightLinking
 from .materials import Exported, Materials
 from .shader import at_corners
@@ -28,17 +29,18 @@ class MeshArrays(NamedTuple):
 
 def read_mesh(mesh) -> MeshArrays:
     """Copies an evaluated mesh into arrays."""
+    gather = native.require().gather
     mesh.calc_loop_triangles()
     positions = np.empty((len(mesh.vertices), 3), dtype=np.float32)
     mesh.vertices.foreach_get("co", positions.ravel())
-    triangles, corners = (np.empty((len(mesh.loop_triangles), 3), dtype=np.int32) for _ in range(2))
-    mesh.loop_triangles.foreach_get("vertices", triangles.ravel())
-    material_slots = np.empty(len(mesh.loop_triangles), dtype=np.int32)
-    mesh.loop_triangles.foreach_get("material_index", material_slots)
+    corners = in_place.column(mesh.loop_triangles, "loops", np.int32, 3)
+    triangles = gather(in_place.column(mesh.loops, "vertex_index", np.int32), corners)
+    has_slots = len(mesh.materials) > 1  # with a single slot its material is that of all triangles
+    material_slots = compat.triangle_slots(mesh) if has_slots else np.zeros(len(triangles), dtype=np.int32)
     corner_normals = None
-    if len(triangles) and compat.has_smooth_corners(mesh):
-        mesh.loop_triangles.foreach_get("loops", corners.ravel())
-        corner_normals = compat.corner_normals(mesh)[corners]
+    if len(triangles) and (found := compat.normals(mesh)):
+        domain, normals = found
+        corner_normals = gather(normals, triangles if domain == "POINT" else corners)
     return MeshArrays(positions, triangles, corner_normals, material_slots)
 
 
@@ -54,9 +56,10 @@ def unsupported(evaluated_object) -> list[str]:
 class Meshes:
     """The native scene's meshes and instances."""
 
-    def __init__(self, native_module, native_scene, materials: Materials, notes: Notes, linking: LightLinking) -> None:
+    def __init__(self, native_module, native_scene, materials: Materials, notes: Notes, linking: LightLinking,
+                 kept: Kept | None = None) -> None:  # fmt: skip
         self._module, self._scene, self._notes = native_module, native_scene, notes
-        self._materials, self._linking = materials, linking
+        self._materials, self._linking, self._kept = materials, linking, kept
         self._mesh_ids: dict[tuple[int, frozenset[int]], int | None] = {}
         self._slots: dict[tuple[int, int], list[Exported]] = {}
 
@@ -76,7 +79,7 @@ class Meshes:
         slots = self._slots[slots_key]
         mesh_key = slots_key[0], frozenset().union(*(slot.attributes for slot in slots))
         if mesh_key not in self._mesh_ids:
-            self._mesh_ids[mesh_key] = self._export(evaluated_object, mesh_key[1])
+            self._mesh_ids[mesh_key] = self._export(evaluated_object, mesh_key)
         mesh_id = self._mesh_ids[mesh_key]
         if mesh_id is None:
             return
@@ -85,8 +88,17 @@ class Meshes:
                                  rays=rays_of(self._module, instance, self._linking),
                                  receiver_set=self._linking.receiver_set(instance))  # fmt: skip
 
-    def _export(self, evaluated_object, attributes: frozenset[int]) -> int | None:
-        """The native id of an object's mesh with these attributes, None if it has no triangles.
+    def _export(self, evaluated_object, key: tuple[int, frozenset[int]]) -> int | None:
+        """The native id of an object's mesh with the attributes of a key, None if it has no triangles."""
+        name = evaluated_object.name
+        if self._kept is None:
+            arrays = self._read(evaluated_object, key[1])
+            return self._scene.add_mesh(*arrays) if arrays else None
+        mesh = self._kept.mesh(key, lambda: self._read(evaluated_object, key[1]))
+        return self._scene.add_kept_mesh(name, mesh) if mesh else None
+
+    def _read(self, evaluated_object, attributes: frozenset[int]) -> tuple | None:
+        """The arguments of add_mesh for an object's mesh, None if it has no triangles.
 
         Read in place, not through to_mesh(): on the temporary objects that stand for geometry nodes' instances
         to_mesh() leaks. Only an object in edit mode needs it, as its mesh is still in the editor's own form.
@@ -98,7 +110,7 @@ class Meshes:
         values = self._attributes(evaluated_object, mesh, attributes, arrays.triangles)
         if is_edited:
             evaluated_object.to_mesh_clear()
-        return self._scene.add_mesh(evaluated_object.name, *arrays, values) if len(arrays.triangles) else None
+        return (evaluated_object.name, *arrays, values) if len(arrays.triangles) else None
 
     def _attributes(self, evaluated_object, mesh, wanted: frozenset[int], triangles) -> dict[int, np.ndarray]:
         """What the materials read of a mesh, at the corners of its triangles; what it has not got is left out."""
