@@ -14,6 +14,7 @@ namespace {
 
 using Color = std::array<double, 3>;
 using Pair = std::array<double, 2>;
+using ApertureNumbers = std::tuple<double, double, uint32_t, double, double>;
 
 Vec3d vec(const Color& c) {
   return {c[0], c[1], c[2]};
@@ -78,12 +79,23 @@ store.)")
 }
 
 void set_camera(PythonScene& self, const std::string& kind, const py::array& world_from_camera,
-                const std::array<double, 4>& window, const Pair& clip) {
+                const std::array<double, 4>& window, const Pair& clip,
+                const std::optional<ApertureNumbers>& aperture) {
   if (kind != "PERSPECTIVE" && kind != "ORTHOGRAPHIC")
     throw py::value_error("camera: kind is '" + kind + "', expected PERSPECTIVE or ORTHOGRAPHIC");
-  self.scene->set_camera({kind == "PERSPECTIVE" ? CameraKind::kPerspective : CameraKind::kOrthographic,
-                          read_transform(world_from_camera, "camera", "world_from_camera"), window[0],
-                          window[1], window[2], window[3], clip[0], clip[1]});
+  Camera camera{kind == "PERSPECTIVE" ? CameraKind::kPerspective : CameraKind::kOrthographic,
+                read_transform(world_from_camera, "camera", "world_from_camera"),
+                window[0],
+                window[1],
+                window[2],
+                window[3],
+                clip[0],
+                clip[1]};
+  if (aperture) {
+    const auto& [radius, focus_distance, blades, rotation, ratio] = *aperture;
+    camera.aperture = {radius, focus_distance, blades, rotation, ratio};
+  }
+  self.scene->set_camera(camera);
 }
 
 }  // namespace
@@ -155,10 +167,11 @@ blocker_set_ray(n). receiver_set: a number that LuminaireRole.receivers
 refers to.)")
       .def(
           "set_camera", &set_camera, py::arg("kind"), py::arg("world_from_camera"), py::arg("window"),
-          py::arg("clip"),
+          py::arg("clip"), py::arg("aperture") = py::none(),
           R"(kind: PERSPECTIVE or ORTHOGRAPHIC, looking along local -z. window: (left, right, bottom, top) of the full
-frame, in the plane z = -1 or in world units. clip: (start, end) along the view axis.)");
-
+frame, in the plane z = -1 or in world units. clip: (start, end) along the view axis. aperture: (radius, focus
+distance, blades, rotation, ratio) of a thin lens, lengths in world units and the rotation in radians; round below
+three blades, its height `ratio` times its width. One ray a pixel goes through its middle.)");
 }
 
 }  // namespace penumbra::python

@@ -54,9 +54,15 @@ class BlockRenderer {
   std::vector<Vec3d> background_;  // seen by the current sample, in mirrors too
 };
 
-/// Sample s of a pixel: through its centre if it is the only one, else distributed as the pixel filter.
+/// Sample s of a pixel: through its centre if it is the only one, else distributed as the pixel filter and
+/// what else spreads rays.
 Ray BlockRenderer::primary_ray(uint32_t x, uint32_t y, uint32_t s) const {
   double dx = 0, dy = 0;
+  if (c_.settings.pixel_samples > 1 && c_.pixel_rays.spread()) {
+    Ray ray;
+    c_.pixel_rays.make(uint64_t(y) * c_.settings.width + x, x, y, s, 1, &ray, &dx, &dy);
+    return ray;
+  }
   if (c_.settings.pixel_samples > 1) {
     alignas(64) float u[kPacket], v[kPacket];
     const uint64_t pixel = uint64_t(y) * c_.settings.width + x;

@@ -6,10 +6,9 @@
 #include <string>
 
 #include "lighting/lighting.h"
-#include "render/camera_rays.h"
 #include "render/film.h"
 #include "render/paths.h"
-#include "sampling/pixel_light_sampler.h"
+#include "render/pixel_rays.h"
 
 namespace penumbra {
 
@@ -26,6 +25,7 @@ struct RenderContext {
   const PixelFilter& filter;
   const Sampler& pixel_sampler;
   const PixelLightSampler& pixel_light_sampler;
+  const PixelRays& pixel_rays;
   Film& film;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Primary rays through points of the image plane.
+// Primary rays through points of the image plane and of the lens.
 #pragma once
 
 #include "scene/normalization.h"
@@ -18,20 +18,35 @@ class CameraRays {
         step_x_((camera.right - camera.left) / width),
         step_y_((camera.top - camera.bottom) / height) {}
 
-  /// Through the point (x, y) of the full frame, in pixels from its bottom left corner.
+  /// The lens has an opening.
+  bool has_lens() const { return camera_.aperture.radius > 0; }
+
+  /// Through the point (x, y) of the full frame, in pixels from its bottom left corner, and the middle of the
+  /// lens.
   Ray through(double x, double y) const {
     const double u = camera_.left + x * step_x_, v = camera_.bottom + y * step_y_;
     const bool perspective = camera_.kind == CameraKind::kPerspective;
     const Vec3d origin = perspective ? Vec3d{} : Vec3d{u, v, 0};
     const Vec3d direction = perspective ? Vec3d{u, v, -1} : Vec3d{0, 0, -1};
+    return placed(origin, direction);
+  }
+
+  /// The same, through the place on the lens that a point of the unit square stands for.
+  Ray through(double x, double y, double lens_u, double lens_v) const;
+
+ private:
+  Ray placed(const Vec3d& origin, const Vec3d& direction) const {
     return {render_from_camera_.point(origin), render_from_camera_.vector(direction), camera_.clip_start,
             camera_.clip_end};
   }
 
- private:
   Camera camera_;
   Affine render_from_camera_;
   double step_x_, step_y_;  // of a pixel, in the window's units
 };
+
+/// A place of the opening in world units, uniform over its area where (u, v) is over the unit square: the
+/// square's rings become the disk's (Shirley and Chiu 1997), or a polygon's.
+Vec3d place_on_lens(const Aperture& aperture, double u, double v);
 
 }  // namespace penumbra

@@ -19,9 +19,9 @@ uint32_t halo(const PixelFilter& filter) {
 }
 
 /// Quantiles as in BoundedCalibration; smoothed standard error c s n^-0.65 of samples with standard deviation
-/// s (between n^-5/8, of an edge in four dimensions, and n^-3/4, in two), worth so many neighbours.
-constexpr double kStop = 2.7, kReport = 2.2, kSmoothed = 1.0, kExponent = 0.65, kPriorWeight = 6.0,
-                 kTileWeight = 4.0;
+/// s (between n^-5/8, of an edge in four dimensions, and n^-3/4, in two), worth so many neighbours. The lens
+/// adds two dimensions.
+constexpr double kStop = 2.7, kReport = 2.2, kSmoothed = 1.0, kPriorWeight = 6.0, kTileWeight = 4.0;
 
 /// First samples whose unshadowed values leave a plane by more than this share of the tolerance want more
 /// rays.
@@ -63,7 +63,7 @@ class FilteredBlock {
   RenderTally& tally_;
   Rectangle area_;
   Block block_;
-  double display_scale_, tolerance_;
+  double display_scale_, tolerance_, dimensions_, exponent_;
   std::vector<FilteredPixel> pixels_;
   FilteredFrame frame_;
   SamplePacket packet_;
@@ -77,6 +77,8 @@ FilteredBlock::FilteredBlock(const RenderContext& context, const Rectangle& core
       block_(block_of(core, area_, context.settings)),
       display_scale_(std::exp2(context.settings.exposure)),
       tolerance_(context.settings.error_tolerance),
+      dimensions_(context.camera.has_lens() ? 6 : 4),
+      exponent_(0.5 + 0.6 / dimensions_),
       pixels_(block_.pixels()),
       frame_(make_frame(context, area_, block_)),
       packet_(context, frame_, tally),
@@ -188,8 +190,7 @@ void FilteredBlock::fit_plane(const SampleRun& run, uint32_t lane) {
   for (uint32_t i = 0; i < kFirstSamples; ++i) {
     pixel.background_fitted += ends[i].background * fit.h[i];
     residual += ends[i].background * fit.r[i];
-    pixel.uncertain = pixel.uncertain || ends[i].object != ends[0].object ||
-                      ends[i].lights != ends[0].lights;
+    pixel.uncertain = pixel.uncertain || ends[i].object != ends[0].object || ends[i].lights != ends[0].lights;
   }
   for (const Contribution& one : packet_.contributions()) {
     if (one.lane - lane >= kFirstSamples) continue;  // another pixel's; wraps below
@@ -204,7 +205,7 @@ void FilteredBlock::find_uncertain() {
   std::vector<uint8_t>& edges = frame_.edge;
   for (uint32_t p = 0; p < block_.pixels(); ++p) {
     const uint32_t x = p % block_.width, y = p / block_.width;
-    bool edge = pixels_[p].uncertain;
+    bool edge = pixels_[p].uncertain || c_.pixel_rays.spread();
     if (x + 1 < block_.width) edge = edge || edge_between(pixels_[p].first, pixels_[p + 1].first);
     if (y + 1 < block_.height) edge = edge || edge_between(pixels_[p].first, pixels_[p + block_.width].first);
     edges[p] = edge;
@@ -275,14 +276,14 @@ void FilteredBlock::first_level(std::span<const uint32_t> quad, int margin) {
   trace_each(some, kFirstSamples, 8 - kFirstSamples);
   for (uint32_t p : some) pixels_[p].remember_power(slots(p));
   trace_each(some, 8, 8);
-  for (uint32_t p : some) pixels_[p].close_level(slots(p), display_scale_);
+  for (uint32_t p : some) pixels_[p].close_level(slots(p), display_scale_, dimensions_);
 }
 
 /// One level more for a pixel.
 void FilteredBlock::advance(uint32_t p) {
   const uint32_t target = next_level(pixels_[p].count);
   while (pixels_[p].count < target) trace_each({&p, 1}, pixels_[p].count, kPacket);
-  pixels_[p].close_level(slots(p), display_scale_);
+  pixels_[p].close_level(slots(p), display_scale_, dimensions_);
 }
 
 /// c^2 of the smoothed standard error in one tile: how edges there converge is learned from the blocks of all
@@ -290,7 +291,7 @@ void FilteredBlock::advance(uint32_t p) {
 double FilteredBlock::smoothed_constant(std::span<const uint32_t> uncertain) const {
   double sum = kTileWeight * kSmoothed * kSmoothed, weight = kTileWeight;
   for (uint32_t p : uncertain) {
-    const double prior = pixels_[p].prior_variance(frame_.of_pixel(p), display_scale_, kExponent);
+    const double prior = pixels_[p].prior_variance(frame_.of_pixel(p), display_scale_, exponent_);
     if (prior <= 0) continue;
     sum += pixels_[p].variance / prior;
     ++weight;
@@ -303,14 +304,14 @@ double FilteredBlock::standard_error(uint32_t p, std::span<const uint32_t> uncer
   const FilteredPixel& pixel = pixels_[p];
   const double n = pixel.count;
   const std::span<const Slot> slot = frame_.of_pixel(p);
-  const double prior = smoothed * pixel.prior_variance(slot, display_scale_, kExponent);
+  const double prior = smoothed * pixel.prior_variance(slot, display_scale_, exponent_);
   const int x = int(p % block_.width), y = int(p / block_.width);
   double sum = 0;
   int count = 0;
   for (uint32_t q : uncertain) {
     const int dx = int(q % block_.width) - x, dy = int(q / block_.width) - y;
     if (std::abs(dx) > kPool || std::abs(dy) > kPool) continue;
-    sum += pixels_[q].variance * std::pow(pixels_[q].count / n, 2 * kExponent);
+    sum += pixels_[q].variance * std::pow(pixels_[q].count / n, 2 * exponent_);
     ++count;
   }
   return std::sqrt((kPriorWeight * prior + sum) / (kPriorWeight + count));

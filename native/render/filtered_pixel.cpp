@@ -6,10 +6,6 @@
 namespace penumbra {
 namespace {
 
-/// B blocks of n / B samples overstate the variance of the whole by B to this power: an edge in pixel and
-/// luminaire together has four dimensions, where the variance falls as n^-(1 + 1/4).
-constexpr double kBlockExponent = 1.25;
-
 /// Neighbours across an edge: their normals differ by more than this, or one lies off the other's plane by
 /// more than this share of their distance (a curved surface that passes the first test stays below 0.16).
 constexpr double kEdgeCosine = 0.95, kEdgeSlope = 0.2;
@@ -97,7 +93,7 @@ void FilteredPixel::remember_power(std::span<Slot> slots) {
   for (Slot& slot : slots) slot.power = slot.now;
 }
 
-void FilteredPixel::close_level(std::span<Slot> slots, double display_scale) {
+void FilteredPixel::close_level(std::span<Slot> slots, double display_scale, double dimensions) {
   const bool power_of_two = (count & (count - 1)) == 0;
   const int blocks = power_of_two ? 2 : 3;
   const double size = double(count) / blocks;
@@ -131,8 +127,10 @@ void FilteredPixel::close_level(std::span<Slot> slots, double display_scale) {
     const double deviation = alphas[i] / size - alpha / count;
     alpha_squares += deviation * deviation;
   }
+  // Of an edge in so many dimensions the variance falls as n^-(1 + 1 / dimensions): B blocks of n / B samples
+  // overstate that of the whole by B to this power.
   variance = std::max(max_component(squares) * display_scale * display_scale, alpha_squares) / (blocks - 1) /
-             std::pow(blocks, kBlockExponent);
+             std::pow(blocks, 1 + 1 / dimensions);
   if (!power_of_two) return;
   background_half = background_power;
   alpha_half = alpha_power;

@@ -69,7 +69,8 @@ struct FilteredPixel {
   /// Half of the first level is done.
   void remember_power(std::span<Slot> slots);
   /// After the samples up to `count`, a level: the variance that its blocks tell; remembers the sums.
-  void close_level(std::span<Slot> slots, double display_scale);
+  /// dimensions: of a sample.
+  void close_level(std::span<Slot> slots, double display_scale, double dimensions);
 };
 
 /// What the pixel's samples decided about each luminaire, for --debug-pixel. lobes: of each luminaire in the

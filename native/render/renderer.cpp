@@ -30,6 +30,12 @@ SamplerSettings pixel_sampler_settings(const RenderSettings& settings) {
   return {SamplerKind::kOwenSobol, SampleReuse::kScrambled, settings.seed, settings.pixel_samples, true};
 }
 
+/// Most of them a pixel; the other rules need them where more than the filter spreads rays.
+uint32_t pixel_light_samples(const RenderSettings& settings, const CameraRays& camera) {
+  if (settings.filtered()) return settings.max_pixel_samples;
+  return camera.has_lens() ? settings.pixel_samples : 0;
+}
+
 /// Valid settings whose film fits into the memory limit.
 RenderSettings affordable(const RenderSettings& given) {
   RenderSettings settings = given.validated();
@@ -80,7 +86,8 @@ Renderer::Renderer(std::shared_ptr<const Scene> scene, std::shared_ptr<const Geo
       filter_(settings_.filter_type, settings_.filter_width),
       camera_(scene_->camera(), geometry_->normalization(), settings_.width, settings_.height),
       paths_(*scene_, *geometry_, *materials_, settings_),
-      pixel_light_sampler_(settings_.filtered() ? settings_.max_pixel_samples : 0, settings_.seed),
+      pixel_light_sampler_(pixel_light_samples(settings_, camera_), settings_.seed, camera_.has_lens()),
+      pixel_rays_(camera_, filter_, pixel_light_sampler_),
       luminaires_(emitting_luminaires(*scene_, geometry_->normalization())),
       lighting_(make_lighting(*geometry_, *light_sampler_, settings_)) {
   make_buckets();
@@ -177,7 +184,8 @@ void Renderer::run_thread(double begin) {
 RenderContext Renderer::context() {
   return {settings_, *scene_,         *geometry_,           camera_,
           paths_,    luminaires_,     *lighting_,           *light_sampler_,
-          filter_,   *pixel_sampler_, pixel_light_sampler_, film_};
+          filter_,   *pixel_sampler_, pixel_light_sampler_, pixel_rays_,
+          film_};
 }
 
 void (*Renderer::block_renderer() const)(const RenderContext&, const Rectangle&, RenderTally&) {

@@ -85,6 +85,7 @@ class Renderer {
   CameraRays camera_;
   PathTracer paths_;
   PixelLightSampler pixel_light_sampler_;
+  PixelRays pixel_rays_;
   std::vector<Luminaire> luminaires_;  // those that emit
   std::unique_ptr<Lighting> lighting_;
 

@@ -63,18 +63,15 @@ void SamplePacket::trace(std::span<const SampleRun> runs) {
 
 /// Camera rays, and the surface points that they see.
 void SamplePacket::find_points(std::span<const SampleRun> runs) {
-  alignas(64) float u[kPacket], v[kPacket];
   Ray rays[kPacket];
   Hit hits[kPacket];
   uint32_t lane = 0;
   for (const SampleRun& run : runs) {
     const uint64_t frame = frame_pixel(run.pixel);
-    const double x = frame_.area.x + run.pixel % frame_.block_width + 0.5,
-                 y = frame_.area.y + run.pixel / frame_.block_width + 0.5;
-    c_.pixel_light_sampler.pixel(frame, run.first, run.count, u, v);
+    c_.pixel_rays.make(frame, frame_.area.x + run.pixel % frame_.block_width,
+                       frame_.area.y + run.pixel / frame_.block_width, run.first, run.count, rays + lane,
+                       dx + lane, dy + lane);
     for (uint32_t i = 0; i < run.count; ++i, ++lane) {
-      dx[lane] = c_.filter.offset(double(u[i])), dy[lane] = c_.filter.offset(double(v[i]));
-      rays[lane] = c_.camera.through(x + dx[lane], y + dy[lane]);
       lanes_[lane] = {run.pixel, run.first + i, frame};
       charge[lane] = 0;
       rays_of[lane] = 0;

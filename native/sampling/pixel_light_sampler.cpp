@@ -16,15 +16,28 @@ void owen_scramble(const FixedPoint2* reversed, uint32_t seed_u, uint32_t seed_v
   }
 }
 
+std::vector<FixedPoint2> table(const DigitalMatrices& matrices, uint32_t count) {
+  std::vector<FixedPoint2> reversed(count);
+  for (uint32_t i = 0; i < count; ++i) {
+    const FixedPoint2 p = digital_point(matrices, i);
+    reversed[i] = {reverse_bits(p.u), reverse_bits(p.v)};
+  }
+  return reversed;
+}
+
+/// Tells the lens' scrambling from the pixel's.
+constexpr uint64_t kLensKey = 0x6C656E73;
+
 }  // namespace
 
-PixelLightSampler::PixelLightSampler(uint32_t count, uint32_t seed)
-    : seed_(seed), pixel_(count), light_(count) {
-  for (uint32_t i = 0; i < count; ++i) {
-    const FixedPoint2 p = digital_point(kSobolPixel, i), l = digital_point(kSobolLight, i);
-    pixel_[i] = {reverse_bits(p.u), reverse_bits(p.v)};
-    light_[i] = {reverse_bits(l.u), reverse_bits(l.v)};
-  }
+PixelLightSampler::PixelLightSampler(uint32_t count, uint32_t seed, bool lens)
+    : seed_(seed),
+      pixel_(table(kSobolPixel, count)),
+      light_(table(kSobolLight, count)),
+      lens_(table(kSobolLens, lens ? count : 0)) {}
+
+void PixelLightSampler::lens(uint64_t key, uint32_t first, uint32_t count, float* u, float* v) const {
+  scramble(&lens_[first], hash_of(kLensKey, key), count, u, v);
 }
 
 void PixelLightSampler::scramble(const FixedPoint2* reversed, uint64_t key, uint32_t count, float* u,

@@ -25,9 +25,9 @@ extern const DigitalMatrices kNumericalRecipesSobol;
 /// Van der Corput x the second Sobol' dimension (Pascal's triangle mod 2): a (0,2)-sequence in base 2.
 extern const DigitalMatrices kZeroTwoSobol;
 
-/// Sobol' in four dimensions, two for the place in the pixel and two for the place on the luminaire: together
+/// Sobol' in six dimensions, two each for the places in the pixel, on the luminaire and on the lens: together
 /// they are stratified as padded pairs are not.
-extern const DigitalMatrices kSobolPixel, kSobolLight;
+extern const DigitalMatrices kSobolPixel, kSobolLight, kSobolLens;
 
 /// Point of a digital sequence in the order of Antonov and Saleev, which Numerical Recipes uses: the
 /// exclusive or of the columns that the digits of the index's Gray code select. Blocks [j 2^k, (j+1) 2^k)

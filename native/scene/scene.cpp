@@ -212,12 +212,22 @@ void Scene::set_camera(const Camera& camera) {
     refuse("camera", "the field of view is empty or not finite");
   if (!(camera.clip_start < camera.clip_end && std::isfinite(camera.clip_start)))
     refuse("camera", "the clip start is not before the clip end");
+  const Aperture& aperture = camera.aperture;
+  if (!(aperture.radius >= 0 && std::isfinite(aperture.radius)))
+    refuse("camera", "the aperture's radius must be finite and not negative");
+  if (!(aperture.focus_distance > 0 && std::isfinite(aperture.focus_distance)))
+    refuse("camera", "the focus distance must be finite and positive");
+  if (!(aperture.ratio > 0 && std::isfinite(aperture.ratio) && std::isfinite(aperture.rotation)))
+    refuse("camera", "the aperture's ratio must be finite and positive and its rotation finite");
   camera_ = camera;
   has_camera_ = true;
   hash_ = hash_bytes(hash_, &camera.world_from_camera, sizeof(Affine));
   const double rest[7] = {double(camera.kind), camera.left,       camera.right,   camera.bottom,
                           camera.top,          camera.clip_start, camera.clip_end};
   hash_ = hash_bytes(hash_, rest, sizeof(rest));
+  const double lens[5] = {aperture.radius, aperture.focus_distance, double(aperture.blades),
+                          aperture.rotation, aperture.ratio};
+  if (aperture.radius > 0) hash_ = hash_bytes(hash_, lens, sizeof(lens));
 }
 
 void Scene::set_background(const Background& background) {

@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "math/transform.h"
 #include "scene/attributes.h"
+#include "scene/camera.h"
 #include "scene/closures.h"
 #include "scene/environment.h"
 #include "scene/image.h"
@@ -59,16 +59,6 @@ struct Material : Closures {
   bool may_be_transparent() const {
     return program ? program->has(ClosureKind::kTransparent) : max_component(transparency) > 0;
   }
-};
-
-enum class CameraKind { kPerspective, kOrthographic };
-
-/// Looks along its local -z. `window` is the full frame in the plane z = -1 (perspective) or in world units.
-struct Camera {
-  CameraKind kind = CameraKind::kPerspective;
-  Affine world_from_camera;
-  double left = -1, right = 1, bottom = -1, top = 1;
-  double clip_start = 0.1, clip_end = 1000;  // along the view axis
 };
 
 /// What is seen beyond all surfaces.

@@ -19,6 +19,7 @@ class Stage:
         right = np.cross([0, 0, 1], back) / np.linalg.norm(np.cross([0, 0, 1], back))
         camera = np.eye(4)
         camera[:3] = np.stack([right, np.cross(back, right), back, eye], axis=1)
+        self.camera = camera
         self.scene.set_camera("PERSPECTIVE", camera, (-0.5, 0.5, -0.375, 0.375), (0.01, 1000.0))
 
     def add(self, shape, matrix=None):

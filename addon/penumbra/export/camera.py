@@ -5,6 +5,7 @@ import numpy as np
 
 from ..notes import Notes
 from .errors import ExportError
+from .lens import aperture_of
 
 KINDS = {"PERSP": "PERSPECTIVE", "ORTHO": "ORTHOGRAPHIC"}
 
@@ -55,8 +56,6 @@ def export(native_scene, depsgraph, camera_object, notes: Notes) -> None:
     data = camera.data
     if data.type not in KINDS:
         raise ExportError(f"{name}: {data.type.lower()} cameras are not supported, only perspective and orthographic")
-    if data.dof.use_dof:
-        notes.add(f"{name}: depth of field is not supported yet and was left out")
     if scene.render.use_motion_blur:
         notes.add(f"scene {scene.name!r}: motion blur is not supported yet and was left out")
 
@@ -80,4 +79,8 @@ def export(native_scene, depsgraph, camera_object, notes: Notes) -> None:
     left, right, bottom, top = window
     if not (np.isfinite(window).all() and left < right and bottom < top):
         raise ExportError(f"{name}: its field of view, scale or shift leaves nothing to see")
-    native_scene.set_camera(KINDS[data.type], world_from_camera, window, clip)
+    aperture = aperture_of(camera)
+    if aperture and scene.penumbra.pixel_samples == 1:
+        notes.add(f"{name}: with one ray a pixel (pixel_samples 1) there is no depth of field: it is a pinhole")
+        aperture = None
+    native_scene.set_camera(KINDS[data.type], world_from_camera, window, clip, aperture)

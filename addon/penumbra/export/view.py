@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .camera import window_of
+from .lens import Aperture, aperture_of
 
 
 class View(NamedTuple):
@@ -19,11 +20,12 @@ class View(NamedTuple):
     world_from_camera: tuple[tuple[float, ...], ...]
     window: tuple[float, float, float, float]
     clip: tuple[float, float]
+    aperture: Aperture | None
 
     @property
     def camera(self) -> tuple:
         """The arguments of the native scene's set_camera."""
-        return self.kind, np.array(self.world_from_camera), self.window, self.clip
+        return self.kind, np.array(self.world_from_camera), self.window, self.clip, self.aperture
 
 
 def clip_of(projection: np.ndarray, kind: str) -> tuple[float, float]:
@@ -55,10 +57,17 @@ def camera_frame(camera_object, scene, projection: np.ndarray) -> np.ndarray:
     return np.array([placed.min(axis=0), placed.max(axis=0)])
 
 
+def camera_of(space, region_data, scene):
+    """The camera that a view looks through; None for a view of its own."""
+    camera = space.camera or scene.camera
+    is_camera = region_data.view_perspective == "CAMERA" and camera is not None and camera.type == "CAMERA"
+    return camera if is_camera else None
+
+
 def border_of(space, region_data, scene, size: tuple[int, int], projection: np.ndarray) -> tuple[int, int, int, int]:
     """The part of the region that is rendered: the scene's border in the camera's frame, the view's own, or all."""
-    camera = space.camera or scene.camera
-    if region_data.view_perspective == "CAMERA" and camera is not None and camera.type == "CAMERA":
+    camera = camera_of(space, region_data, scene)
+    if camera:
         if not scene.render.use_border:
             return 0, 0, *size
         render, (low, high) = scene.render, camera_frame(camera, scene, projection)
@@ -84,6 +93,7 @@ def view_of(space, region, region_data, scene) -> View:
     if start < 0:  # an orthographic view looks both ways from its centre, a ray only ahead
         world_from_camera[:3, 3] -= start * world_from_camera[:3, 2]
         start, end = 0.0, end - start
+    camera = camera_of(space, region_data, scene)
     return View(
         size,
         border_of(space, region_data, scene, size, projection),
@@ -91,4 +101,5 @@ def view_of(space, region, region_data, scene) -> View:
         tuple(map(tuple, world_from_camera.tolist())),
         tuple(map(float, window_of(projection, kind))),
         (start, end),
+        aperture_of(camera) if camera else None,
     )

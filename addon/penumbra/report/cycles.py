@@ -46,7 +46,8 @@ def set_up(scene, changes: Changes, own: dict, has_mirrors: bool) -> None:
         changes.set(scene.cycles, name, value)
     changes.keep(scene.cycles, "samples", "seed")
     changes.set(scene.render, "use_motion_blur", False)
-    changes.set(scene.camera.data.dof, "use_dof", False)
+    if own["pixel_samples"] == 1:
+        changes.set(scene.camera.data.dof, "use_dof", False)
     for scene_object in bpy.data.objects:
         for owner in (scene_object, getattr(scene_object, "cycles", None)):
             for name in ("offset", "normal_offset", "shading_offset", "geometry_offset"):
