@@ -89,11 +89,11 @@ class BlockLight {
 };
 
 void BlockLight::find_items() {
-  for (uint32_t p = 0; p < points_.size(); ++p) {
-    tally_.stop_if_cancelled();
-    const LitPoint& lit = points_[p];
-    for (uint32_t l = 0; l < luminaires_.size(); ++l) {
-      const Luminaire& luminaire = luminaires_[l];
+  for (uint32_t l = 0; l < luminaires_.size(); ++l) {
+    const Luminaire& luminaire = luminaires_[l];
+    for (uint32_t p = 0; p < points_.size(); ++p) {
+      tally_.stop_if_cancelled();
+      const LitPoint& lit = points_[p];
       const double form_factor = luminaire.form_factor(lit.surface);
       if (form_factor <= 0) {
         tally_.decided_without_ray += in_core(lit.pixel, 0);
@@ -104,7 +104,7 @@ void BlockLight::find_items() {
     }
   }
   const auto before = [this](const BoundedItem& a, const BoundedItem& b) { return slot(a) < slot(b); };
-  // One luminaire and no mirrors: they are in order already.
+  // Without mirrors they are in order already.
   if (!std::is_sorted(items_.begin(), items_.end(), before))
     std::stable_sort(items_.begin(), items_.end(), before);
 }

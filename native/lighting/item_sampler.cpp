@@ -83,14 +83,15 @@ void ItemSampler::look(BoundedItem& item, LightTally& tally) const {
   const LitPoint& lit = points_[item.point];
   const Luminaire& luminaire = luminaires_[item.luminaire];
   sampler_.points(key(item), 0, kPacket, u, v);
-  luminaire.evaluate(lit.surface, u, v, kPacket, points);
+  luminaire.evaluate(lit.surface, u, v, kFirstLook, points);
   float* f = points.form_factor;
   const uint32_t looks = luminaire.is_point() ? 1 : kFirstLook;
   std::fill(f + looks, f + kPacket, 0.0f);
   float unshadowed[kFirstLook];
   std::copy(f, f + kFirstLook, unshadowed);
   if (luminaire.casts_shadow())
-    tally.shadow_rays += ShadowRays(geometry_, lit.surface, luminaire.role().shadow_rays).hide(points.x, points.y, points.z, f, traced);
+    tally.shadow_rays += ShadowRays(geometry_, lit.surface, luminaire.role().shadow_rays)
+                             .hide(points.x, points.y, points.z, f, traced);
   // Behind a transparent surface a point is both.
   for (uint32_t i = 0; i < kFirstLook; ++i) item.first_lit |= uint8_t((f[i] > 0) << i);
   for (uint32_t i = 0; i < kFirstLook; ++i) item.first_dark |= uint8_t((f[i] < unshadowed[i]) << i);

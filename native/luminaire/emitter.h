@@ -3,7 +3,9 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
+#include "luminaire/light_element.h"
 #include "scene/surface_columns.h"
 
 namespace penumbra {
@@ -55,6 +57,13 @@ class Emitter {
   /// What the line sees of the emitter itself: radiance towards its origin, in the unit of form factors. Zero
   /// for what is seen otherwise: meshes are surfaces, the sky is the background.
   virtual double seen_along(const SightLine&) const { return 0; }
+
+  /// Its parts, if it can belong to a group of luminaires; none where its light comes from outside the scene.
+  virtual std::vector<LightElement> elements() const { return {}; }
+  /// Form factor of one of them, by its number.
+  virtual double form_factor_of(uint32_t /*element*/, const SurfacePoint& surface) const {
+    return form_factor(surface);
+  }
 };
 
 /// Form factor from the centres of side x side equal cells of the unit square, where there is no closed form.

@@ -113,6 +113,19 @@ void FlatEmitter::form_factors(const SurfaceColumns& surfaces, double* out) cons
   polygon_form_factors(vertices_, edges_, corner_, normal_, surfaces, out);
 }
 
+std::vector<LightElement> FlatEmitter::elements() const {
+  LightElement e;
+  e.centre = corner_ + edge_u_ * 0.5 + edge_v_ * 0.5;
+  e.normal = normal_;
+  // Standard deviations of a uniform density: 1 / sqrt(12) of a rectangle's edge, 1 / 4 of an ellipse's axis.
+  const double deviation = shape_ == LuminaireShape::kEllipse ? 0.25 : std::sqrt(1.0 / 12);
+  e.half_u = edge_u_ * deviation;
+  e.half_v = edge_v_ * deviation;
+  e.strength = area_ / kPi;
+  e.radius = std::max(length(edge_u_ + edge_v_), length(edge_u_ - edge_v_)) / 2;
+  return {e};
+}
+
 void FlatEmitter::to_shape(const float*& u, const float*& v, uint32_t count, float* s, float* t) const {
   if (shape_ == LuminaireShape::kRectangle) return;
   square_to_disk(u, v, count, s, t);

@@ -33,6 +33,7 @@ class FlatEmitter final : public Emitter {
   void evaluate_each(const SurfaceColumns& surfaces, const float* u, const float* v,
                      LightPoints& out) const override;
   double seen_along(const SightLine& line) const override;
+  std::vector<LightElement> elements() const override;
 
  private:
   void make_outline();

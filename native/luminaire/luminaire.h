@@ -14,11 +14,13 @@ namespace penumbra {
 class Luminaire {
  public:
   Luminaire(const LuminaireDescription& description, const Normalization& normalization);
-  Luminaire(std::string name, std::shared_ptr<const Emitter> emitter, const Vec3d& radiance, bool cast_shadow)
+  Luminaire(std::string name, std::shared_ptr<const Emitter> emitter, const Vec3d& radiance, bool cast_shadow,
+            LuminaireRole role = {})
       : name_(std::move(name)),
         emitter_(std::move(emitter)),
         radiance_(radiance),
-        cast_shadow_(cast_shadow) {}
+        cast_shadow_(cast_shadow),
+        role_(std::move(role)) {}
 
   /// The luminaire emits nothing: no power or no area; or nothing reflects it.
   bool dark() const {
@@ -41,6 +43,9 @@ class Luminaire {
   /// Times radiance(): what a line of sight sees of the luminaire itself.
   double seen_along(const SightLine& line) const { return emitter_->seen_along(line); }
 
+  std::vector<LightElement> elements() const { return emitter_->elements(); }
+  const Emitter& emitter() const { return *emitter_; }
+
   /// What form factors are multiplied with: the radiance of a luminaire of some size, the intensity of a
   /// point, the irradiance / pi of a direction.
   const Vec3d& radiance() const { return radiance_; }
@@ -51,7 +56,8 @@ class Luminaire {
  private:
   /// Does it light the instances of a receiver set?
   bool lights(uint32_t receiver_set) const {
-    return role_.receivers.empty() || (receiver_set < role_.receivers.size() && role_.receivers[receiver_set]);
+    return role_.receivers.empty() ||
+           (receiver_set < role_.receivers.size() && role_.receivers[receiver_set]);
   }
 
   std::string name_;

@@ -148,6 +148,39 @@ double MeshEmitter::form_factor(const SurfacePoint& surface) const {
   return sum;
 }
 
+std::vector<LightElement> MeshEmitter::elements() const {
+  std::vector<LightElement> elements;
+  for (size_t i = 0; i < triangles_.size(); ++i) {
+    const Triangle& t = triangles_[i];
+    LightElement e;
+    e.centre = t.corner + (t.edge1 + t.edge2) / 3;
+    e.normal = t.normal;
+    // Second moments of a triangle: (edge1 edge1' + edge2 edge2' - (edge1 edge2' + edge2 edge1') / 2) / 18,
+    // taken apart by completing the square.
+    e.half_u = (t.edge1 - t.edge2 * 0.5) / std::sqrt(18.0);
+    e.half_v = t.edge2 * std::sqrt(0.75 / 18);
+    e.strength = length(cross(t.edge1, t.edge2)) / (2 * kPi);
+    const Vec3d to_corner = t.corner - e.centre;
+    e.radius = std::max({length(to_corner), length(to_corner + t.edge1), length(to_corner + t.edge2)});
+    e.two_sided = !closed_;
+    e.two_sided_near = true;
+    if (closed_) {  // one-sided from outside the bounding box
+      for (const Vec3d& corner : bounds_.corners()) e.near = std::max(e.near, length(corner - e.centre));
+    }
+    e.u_begin = cumulative_[i];
+    e.u_end = cumulative_[i + 1];
+    elements.push_back(e);
+  }
+  return elements;
+}
+
+double MeshEmitter::form_factor_of(uint32_t element, const SurfacePoint& surface) const {
+  const Triangle& t = triangles_[element];
+  const double side = dot(surface.position - t.corner, t.normal);
+  if (side == 0 || (side < 0 && one_sided_from(surface.position))) return 0;
+  return triangle_form_factor(t, surface);
+}
+
 void MeshEmitter::evaluate(const SurfacePoint& surface, const float* u, const float* v, uint32_t count,
                            LightPoints& out) const {
   const Vec3f n(surface.normal);

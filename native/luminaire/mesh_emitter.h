@@ -27,6 +27,9 @@ class MeshEmitter final : public Emitter {
   /// Uniformly in area.
   void evaluate(const SurfacePoint& surface, const float* u, const float* v, uint32_t count,
                 LightPoints& out) const override;
+  /// One a triangle.
+  std::vector<LightElement> elements() const override;
+  double form_factor_of(uint32_t element, const SurfacePoint& surface) const override;
 
  private:
   struct Triangle {

@@ -16,6 +16,8 @@ constexpr double kPi = std::numbers::pi;
 constexpr double kSmallestRadius = 0x1p-24;
 /// A cone's edge of no width, as steep as single precision allows.
 constexpr double kSteepest = 1e30;
+/// Distance in radii from which a facing disk is as good as a point, to 1e-3.
+constexpr double kFarDisk = 32;
 
 double smoothstep(double x) {
   x = std::clamp(x, 0.0, 1.0);
@@ -111,6 +113,17 @@ std::optional<double> PointEmitter::spot_form_factor(const View& view, const Vec
   const double along = 2 * kPi / 3 * (1 - cosine * cosine * cosine), across = (solid_angle - along) / 2;
   const double n = dot(normal, view.cone.axis), f = -dot(forward, view.cone.axis);
   return (across * (-dot(normal, forward) - n * f) + along * n * f) / kPi * per_radiance_;
+}
+
+std::vector<LightElement> PointEmitter::elements() const {
+  LightElement e;
+  e.centre = centre_;
+  e.strength = 1 / kPi;
+  // A sphere wholly above the horizon counts as its centre, a facing disk nearly so: error (radius / r)^2.
+  e.radius = radius_;
+  e.near = shape_ == RoundShape::kSphere ? radius_ : radius_ * kFarDisk;
+  if (spot_) e.near = std::numeric_limits<double>::infinity();  // the cone is not in the formula
+  return {e};
 }
 
 void PointEmitter::evaluate(const SurfacePoint& surface, const float* u, const float* v, uint32_t count,

@@ -23,6 +23,7 @@ class PointEmitter final : public Emitter {
   void evaluate(const SurfacePoint& surface, const float* u, const float* v, uint32_t count,
                 LightPoints& out) const override;
   double seen_along(const SightLine& line) const override;
+  std::vector<LightElement> elements() const override;
 
  private:
   /// A spot's factor for light that leaves in a direction.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "luminaire/parallelogram.h"
@@ -58,6 +59,16 @@ bool SpreadEmitter::unseen_from(const SurfacePoint& surface) const {
 
 double SpreadEmitter::form_factor(const SurfacePoint& surface) const {
   return unseen_from(surface) ? 0 : midpoint_form_factor(*this, surface, 32);
+}
+
+std::vector<LightElement> SpreadEmitter::elements() const {
+  LightElement e;
+  e.centre = corner_ + edge_u_ * 0.5 + edge_v_ * 0.5;
+  e.normal = normal_;
+  e.strength = size_ * peak_ / std::numbers::pi;
+  e.radius = std::max(length(edge_u_ + edge_v_), length(edge_u_ - edge_v_)) / 2;
+  e.near = std::numeric_limits<double>::infinity();  // the fall is not in the formula
+  return {e};
 }
 
 void SpreadEmitter::evaluate(const SurfacePoint& surface, const float* u, const float* v, uint32_t count,

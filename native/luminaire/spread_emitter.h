@@ -21,6 +21,7 @@ class SpreadEmitter final : public Emitter {
   void evaluate(const SurfacePoint& surface, const float* u, const float* v, uint32_t count,
                 LightPoints& out) const override;
   double seen_along(const SightLine& line) const override;
+  std::vector<LightElement> elements() const override;
 
  private:
   /// The part of the light's parallelogram, coordinates 0 ... 1, from which light can reach a point.

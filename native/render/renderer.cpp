@@ -12,6 +12,7 @@
 
 #include "lighting/bounded_light.h"
 #include "lighting/direct_light.h"
+#include "lighting/light_cut.h"
 #include "luminaire/sky.h"
 #include "math/simd.h"
 #include "render/crash_note.h"
@@ -90,6 +91,8 @@ Renderer::Renderer(std::shared_ptr<const Scene> scene, std::shared_ptr<const Geo
       pixel_rays_(camera_, filter_, pixel_light_sampler_),
       luminaires_(emitting_luminaires(*scene_, geometry_->normalization())),
       lighting_(make_lighting(*geometry_, *light_sampler_, settings_)) {
+  if (settings_.stop_rule == StopRuleKind::kBounded && luminaires_.size() > kFewLuminaires)
+    light_tree_ = std::make_unique<LightTree>(luminaires_);
   make_buckets();
   restore_buckets();
 }
@@ -192,6 +195,12 @@ void (*Renderer::block_renderer() const)(const RenderContext&, const Rectangle&,
   return settings_.filtered() ? render_filtered_block : render_block;
 }
 
+/// Where the scene has many luminaires, a block has its own.
+std::unique_ptr<LocalLights> Renderer::local_lights(const RenderContext& context,
+                                                    const Rectangle& block) const {
+  return light_tree_ ? std::make_unique<LocalLights>(context, *light_tree_, block) : nullptr;
+}
+
 std::string Renderer::debug_pixel(uint32_t x, uint32_t y) {
   const std::lock_guard lock(mutex_);
   const Rectangle& r = settings_.region;
@@ -201,8 +210,10 @@ std::string Renderer::debug_pixel(uint32_t x, uint32_t y) {
   if (started_) throw std::invalid_argument("debug_pixel: the render was started already");
   for (const auto& bucket : buckets_)
     for (const Rectangle& block : bucket->blocks)
-      if (x - block.x < block.width && y - block.y < block.height)
-        return penumbra::debug_pixel(context(), block, x, y, block_renderer());
+      if (x - block.x < block.width && y - block.y < block.height) {
+        const auto local = local_lights(context(), block);
+        return penumbra::debug_pixel(local ? local->context() : context(), block, x, y, block_renderer());
+      }
   return {};
 }
 
@@ -217,7 +228,8 @@ void Renderer::work() {
     tally.light.cancelled = &cancelled_;
     const CrashNote note(block);
     try {
-      block_renderer()(context, block, tally);
+      const auto local = local_lights(context, block);
+      block_renderer()(local ? local->context() : context, block, tally);
     } catch (const Cancelled&) {
       return;
     } catch (const std::bad_alloc&) {

@@ -12,6 +12,7 @@
 #include "render/block.h"
 #include "render/checkpoint.h"
 #include "render/error_histogram.h"
+#include "render/local_lights.h"
 
 namespace penumbra {
 
@@ -68,6 +69,7 @@ class Renderer {
   void make_buckets();
   void restore_buckets();
   RenderContext context();
+  std::unique_ptr<LocalLights> local_lights(const RenderContext& context, const Rectangle& block) const;
   void (*block_renderer() const)(const RenderContext&, const Rectangle&, RenderTally&);
   void run_thread(double begin);
   void work();
@@ -86,7 +88,8 @@ class Renderer {
   PathTracer paths_;
   PixelLightSampler pixel_light_sampler_;
   PixelRays pixel_rays_;
-  std::vector<Luminaire> luminaires_;  // those that emit
+  std::vector<Luminaire> luminaires_;      // those that emit
+  std::unique_ptr<LightTree> light_tree_;  // where there are many
   std::unique_ptr<Lighting> lighting_;
 
   std::unique_ptr<Checkpoint> checkpoint_;

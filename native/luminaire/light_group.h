@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Neighbouring luminaires as one.
+#pragma once
+
+#include "luminaire/light_tree.h"
+
+namespace penumbra {
+
+/// Form factors are per channel of radiance 1: elements of different strength count by their radiance.
+class LightGroup final : public Emitter {
+ public:
+  /// The elements of a tree's node; the tree must live as long.
+  LightGroup(const LightTree& tree, uint32_t node, LightChannel channel)
+      : tree_(tree), node_(node), channel_(channel) {}
+
+  double form_factor(const SurfacePoint& surface) const override;
+  /// u goes through the tree's order, where near numbers are near in space. From far elements are chosen by
+  /// their power, else by what they would send to the surface point, so that all points count nearly the same
+  /// however much nearer one of them is.
+  void evaluate(const SurfacePoint& surface, const float* u, const float* v, uint32_t count,
+                LightPoints& out) const override;
+
+ private:
+  const LightTree& tree_;
+  uint32_t node_;
+  LightChannel channel_;
+};
+
+}  // namespace penumbra
