@@ -100,8 +100,9 @@ void BlockRenderer::trace(uint32_t s) {
 void BlockRenderer::follow(const Ray& ray, const Hit& hit, uint32_t pixel, uint32_t s) {
   const uint64_t frame_pixel =
       uint64_t(area_.y + pixel / block_.width) * c_.settings.width + area_.x + pixel % block_.width;
-  const PathEnd end = c_.paths.follow(ray, hit, pixel, frame_pixel * c_.settings.pixel_samples + s, points_,
-                                      tally_.mirror_rays);
+  PathEnd end;
+  c_.paths.follow(ray, hit, pixel, frame_pixel * c_.settings.pixel_samples + s, points_, tally_.mirror_rays,
+                  end);
   PixelSums& sums = pixels_[pixel];
   background_[pixel] = end.background;
   sums.values.alpha += end.alpha;

@@ -61,7 +61,8 @@ void CentreLight::trace(std::span<const uint32_t> pixels) {
     const uint64_t stream =
         uint64_t(frame_.area.y + p / block_.width) * c_.settings.width + frame_.area.x + p % block_.width;
     first_point_[p] = uint32_t(points_.size());
-    const PathEnd end = c_.paths.follow(rays[i], hits[i], p, stream, points_, tally_.mirror_rays);
+    PathEnd end;
+    c_.paths.follow(rays[i], hits[i], p, stream, points_, tally_.mirror_rays, end);
     path_length_[p] = uint32_t(points_.size()) - first_point_[p];
     if (edge_between(end, pixels_[p].first)) frame_.edge[p] = 1;
   }

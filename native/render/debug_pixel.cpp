@@ -70,8 +70,8 @@ std::string debug_pixel(const RenderContext& c, const Rectangle& block, uint32_t
   std::vector<LitPoint> points;
   uint64_t mirror_rays = 0;
   const uint64_t frame_pixel = uint64_t(y) * c.settings.width + x;
-  const PathEnd end =
-      c.paths.follow(ray, hit, 0, frame_pixel * c.settings.pixel_samples, points, mirror_rays);
+  PathEnd end;
+  c.paths.follow(ray, hit, 0, frame_pixel * c.settings.pixel_samples, points, mirror_rays, end);
   out << pixel_name(x, y, end.object) << ", ray through its centre\n";
   const Normalization& n = c.geometry.normalization();
   for (const LitPoint& lit : points) {

@@ -15,7 +15,7 @@ constexpr double kEdgeCosine = 0.95, kEdgeSlope = 0.2;
 bool edge_between(const PathEnd& a, const PathEnd& b) {
   if (a.object != b.object || a.lights != b.lights) return true;
   if (!a.hit) return false;
-  const SurfacePoint &s = a.first, &t = b.first;
+  const SeenPoint &s = a.first, &t = b.first;
   if (dot(s.normal, t.normal) < kEdgeCosine) return true;
   const Vec3d between = t.position - s.position;
   return std::abs(dot(between, s.geometric_normal)) > kEdgeSlope * length(between);

@@ -76,9 +76,9 @@ void PathTracer::see_luminaires(const Part& part, double t_far, PathEnd& end) co
   }
 }
 
-PathEnd PathTracer::follow(Ray ray, Hit hit, uint32_t pixel, uint64_t stream, std::vector<LitPoint>& points,
-                           uint64_t& mirror_rays) const {
-  PathEnd end;
+void PathTracer::follow(const Ray& ray, const Hit& hit, uint32_t pixel, uint64_t stream,
+                        std::vector<LitPoint>& points, uint64_t& mirror_rays, PathEnd& end) const {
+  end = PathEnd{};
   end.alpha = 1;
   const bool perspective = scene_.camera().kind == CameraKind::kPerspective;
   const double scale = geometry_.normalization().scale;
@@ -86,47 +86,57 @@ PathEnd PathTracer::follow(Ray ray, Hit hit, uint32_t pixel, uint64_t stream, st
   std::vector<Part> waiting;  // mirrors in surfaces that the path went through
   Part part{.ray = ray, .hit = hit, .footprint = perspective ? 0 : pixel_ * scale};
   for (;;) {
-    const double negligible =
-        rays < kMostRays ? std::ldexp(kNegligible, int(rays / kRaysPerDoubling)) : INFINITY;
-    Part mirrored;
+    const double negligible = rays == 0          ? kNegligible
+                              : rays < kMostRays ? std::ldexp(kNegligible, int(rays / kRaysPerDoubling))
+                                                 : INFINITY;
     bool goes_on = false;
     if (!part.hit.found()) {
       see_luminaires(part, part.ray.t_far, end);
       leave(part, end);
     } else {
-      SurfacePoint surface = geometry_.surface_point(part.ray, part.hit);
+      const size_t number = points.size();
+      LitPoint& point = points.emplace_back();
+      SurfacePoint& surface = point.surface;
+      geometry_.surface_point(part.ray, part.hit, surface);
       const Material& material = scene_.materials()[surface.material];
       const double t = surface.t;
       see_luminaires(part, t, end);
       const double footprint =
           part.footprint + (perspective ? t * pixel_ * (part.from_camera() ? scale : 1.0) : 0.0);
-      std::shared_ptr<const Closures> evaluated;
       if (material.program)
-        evaluated = std::make_shared<const Closures>(materials_.evaluate(
+        point.evaluated = std::make_shared<const Closures>(materials_.evaluate(
             *material.program, surface,
             {part.ray.direction, part.from_camera() ? RayKind::kCamera : RayKind::kMirror, footprint}));
+      const std::shared_ptr<const Closures> evaluated = point.evaluated;  // outlives the point
       const Closures& closures = evaluated ? *evaluated : material;
       const double through = average(closures.transparency);
       if (!end.hit && part.from_camera() && 1 - through > kSeenOpacity) {
         end.hit = true;
         end.object = &geometry_.name_of(part.hit);
-        end.first = surface;
-        end.first.t += part.t;
-      }
-      if (lit < length_ && (closures.reflects() || through == 0)) {
-        points.push_back({surface, part.ray.direction, &closures, part.throughput, stream * length() + lit,
-                          pixel, lit, evaluated});
-        ++lit;
+        end.first = {surface.position, surface.geometric_normal, surface.normal, part.t + t};
       }
       end.background += part.throughput * closures.emission;
       if (part.from_camera()) end.alpha -= average(part.throughput) * closures.holdout;
+      const Vec3d position = surface.position, outward = surface.geometric_normal * surface.rounding,
+                  normal = surface.normal;
+      if (lit < length_ && (closures.reflects() || through == 0)) {
+        point.ray_direction = part.ray.direction;
+        point.material = &closures;
+        point.throughput = part.throughput;
+        point.stream = stream * length() + lit;
+        point.pixel = pixel;
+        point.bounce = lit;
+        ++lit;
+      } else {
+        points.resize(number);
+      }
 
       const Vec3d reflected = part.throughput * closures.mirror,
                   passing = part.throughput * closures.transparency;
       if (part.mirrors < mirror_depth_ && max_component(reflected) > negligible) {
-        mirrored = part;
-        mirrored.ray = {surface.position + surface.geometric_normal * surface.rounding,
-                        normalize(reflect(part.ray.direction, surface.normal)), 0, 1e30, kMirrorRay};
+        Part mirrored = part;
+        mirrored.ray = {position + outward, normalize(reflect(part.ray.direction, normal)), 0, 1e30,
+                        kMirrorRay};
         mirrored.throughput = reflected;
         mirrored.footprint = footprint;
         mirrored.t = 0;
@@ -134,7 +144,7 @@ PathEnd PathTracer::follow(Ray ray, Hit hit, uint32_t pixel, uint64_t stream, st
         waiting.push_back(mirrored);
       }
       if (max_component(passing) > negligible && part.passed < kMaxPassed) {
-        part.ray.origin = surface.position - surface.geometric_normal * surface.rounding;
+        part.ray.origin = position - outward;
         part.ray.t_near = 0;
         part.ray.t_far -= t;
         part.throughput = passing;
@@ -145,7 +155,7 @@ PathEnd PathTracer::follow(Ray ray, Hit hit, uint32_t pixel, uint64_t stream, st
       }
     }
     if (!goes_on) {
-      if (waiting.empty()) return end;
+      if (waiting.empty()) return;
       part = waiting.back();
       waiting.pop_back();
     }

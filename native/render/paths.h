@@ -10,12 +10,18 @@
 
 namespace penumbra {
 
+/// What the data passes show of a surface point: it is kept for every pixel, so no more than that.
+struct SeenPoint {
+  Vec3d position, geometric_normal, normal;  // as in SurfacePoint
+  double t;                                  // along the primary ray
+};
+
 struct PathEnd {
-  Vec3d background;                     // light that is there without luminaires: the world's, emission
-  double alpha = 0;                     // 0 where the primary ray meets nothing and the film is transparent
-  uint64_t lights = 0;                  // which luminaires were seen themselves, in mirrors too: a bit of each
-  bool hit = false;                     // the primary ray met something,
-  SurfacePoint first;                   // here
+  Vec3d background;     // light that is there without luminaires: the world's, emission
+  double alpha = 0;     // 0 where the primary ray meets nothing and the film is transparent
+  uint64_t lights = 0;  // which luminaires were seen themselves, in mirrors too: a bit of each
+  bool hit = false;     // the primary ray met something,
+  SeenPoint first;      // here
   const std::string* object = nullptr;  // and on this object
 };
 
@@ -29,8 +35,8 @@ class PathTracer {
 
   /// Appends the path's surface points. stream: number of the path among the frame's; pixel: in the block.
   /// mirror_rays is increased by the rays traced.
-  PathEnd follow(Ray ray, Hit hit, uint32_t pixel, uint64_t stream, std::vector<LitPoint>& points,
-                 uint64_t& mirror_rays) const;
+  void follow(const Ray& ray, const Hit& hit, uint32_t pixel, uint64_t stream, std::vector<LitPoint>& points,
+              uint64_t& mirror_rays, PathEnd& end) const;
 
  private:
   struct Part;

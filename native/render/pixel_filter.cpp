@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "render/pixel_filter.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -19,34 +20,35 @@ double blackman_harris_integral(double x) {
   return sum / kA[0];
 }
 
-constexpr int kIntervals = 1024;
+constexpr int kIntervals = 4096, kQuantiles = 2048;
+
+/// Integral of the window up to quantile k: dense where the window is thin.
+double mass(int k) {
+  return 0.5 * (double(k) / kQuantiles) * (double(k) / kQuantiles);
+}
 
 }  // namespace
 
 PixelFilter::PixelFilter(FilterKind kind, double width)
     : support_(kind == FilterKind::kBox ? width : 2 * width), variance_(support_ * support_ / 12) {
   if (kind == FilterKind::kBox) return;
-  cumulative_.resize(kIntervals + 1);
-  for (int i = 0; i <= kIntervals; ++i) cumulative_[i] = blackman_harris_integral(double(i) / kIntervals);
   variance_ = 0;
-  for (int i = 0; i < kIntervals; ++i) {
+  double low = 0;  // integral up to the interval
+  for (int i = 0, k = 0; i < kIntervals / 2; ++i) {
+    const double high = i + 1 < kIntervals / 2 ? blackman_harris_integral(double(i + 1) / kIntervals) : 0.5;
     const double x = ((i + 0.5) / kIntervals - 0.5) * support_;
-    variance_ += x * x * (cumulative_[i + 1] - cumulative_[i]);
-  }
-  for (int k = 0, i = 0; k <= kIntervals; ++k) {
-    while (i + 1 < kIntervals && cumulative_[i + 1] <= double(k) / kIntervals) ++i;
-    guide_.push_back(uint16_t(i));
+    variance_ += 2 * x * x * (high - low);
+    for (; k <= kQuantiles && mass(k) <= high; ++k)
+      quantiles_.push_back((0.5 - (i + (mass(k) - low) / (high - low)) / kIntervals) * support_);
+    low = high;
   }
 }
 
 double PixelFilter::offset(double x) const {
-  if (cumulative_.empty()) return (x - 0.5) * support_;
-  // Linear between the table's places: the filter becomes a histogram of 1024 steps.
-  int i = guide_[size_t(x * kIntervals)];
-  while (i + 1 < kIntervals && cumulative_[i + 1] <= x) ++i;
-  const double low = cumulative_[i], high = cumulative_[i + 1];
-  const double fraction = high > low ? (x - low) / (high - low) : 0.5;
-  return ((i + fraction) / kIntervals - 0.5) * support_;
+  if (quantiles_.empty()) return (x - 0.5) * support_;
+  const double side = x < 0.5 ? -1 : 1, place = std::sqrt(2 * std::min(x, 1 - x)) * kQuantiles;
+  const auto k = std::min(size_t(place), size_t(kQuantiles - 1));
+  return side * (quantiles_[k] + (place - double(k)) * (quantiles_[k + 1] - quantiles_[k]));
 }
 
 }  // namespace penumbra

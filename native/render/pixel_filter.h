@@ -28,9 +28,9 @@ class PixelFilter {
 
  private:
   double support_, variance_;
-  // Of the filter over its support; empty for a box, whose inverse is linear.
-  std::vector<double> cumulative_;
-  std::vector<uint16_t> guide_;  // for each 1/1024 of x, the interval where the search for its inverse begins
+  // Distances from the centre within which lies all but so much of one half: of its share (k / n)^2; linear
+  // in between. Empty for a box, whose inverse is linear.
+  std::vector<double> quantiles_;
 };
 
 }  // namespace penumbra

@@ -81,7 +81,7 @@ void SamplePacket::find_points(std::span<const SampleRun> runs) {
   tally_.primary_rays += lane;
   points_.clear();
   for (uint32_t i = 0; i < lane; ++i)
-    ends[i] = c_.paths.follow(rays[i], hits[i], i, 0, points_, tally_.mirror_rays);
+    c_.paths.follow(rays[i], hits[i], i, 0, points_, tally_.mirror_rays, ends[i]);
 }
 
 /// A point of the luminaire for each of the surface points [begin, end).

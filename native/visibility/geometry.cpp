@@ -12,17 +12,23 @@ namespace {
 bool clip_to_box(const Box& box, Ray& ray) {
   const double margin = 1e-6 * (1 + max_abs(box.extent()));
   for (int axis = 0; axis < 3; ++axis) {
-    const double o = ray.origin[axis], d = ray.direction[axis];
+    const double o = ray.origin[axis], d = ray.direction[axis], inverse = 1 / d;
     const double low = box.low[axis] - margin, high = box.high[axis] + margin;
-    if (d == 0) {
+    if (!std::isfinite(inverse)) {  // never leaves the slab, or nearly so
       if (o < low || o > high) return false;
       continue;
     }
-    const double a = (low - o) / d, b = (high - o) / d;
+    const double a = (low - o) * inverse, b = (high - o) * inverse;
     ray.t_near = std::max(ray.t_near, std::min(a, b));
     ray.t_far = std::min(ray.t_far, std::max(a, b));
   }
   return ray.t_near <= ray.t_far;
+}
+
+/// Embree refuses directions beyond 1.8e18, and single precision loses those below 1e-38: their exponent is
+/// taken out.
+double shrink_of(double size) {
+  return size > 1e-9 && size < 1e9 ? 1.0 : std::scalbn(1.0, -std::ilogb(size));
 }
 
 struct Barycentric {
@@ -66,9 +72,7 @@ void Geometry::intersect(const Ray* rays, uint32_t active, Hit* hits) const {
     if (bounds_.empty() || !is_finite(ray.origin) || !is_finite(ray.direction) ||
         max_abs(ray.direction) == 0 || !clip_to_box(bounds_, ray))
       continue;
-    // Embree refuses directions beyond 1.8e18: their exponent is taken out.
-    const int exponent = std::ilogb(max_abs(ray.direction));
-    const double shrink = std::scalbn(1.0, -exponent);
+    const double shrink = shrink_of(max_abs(ray.direction));
     const Vec3f origin(ray.origin + ray.direction * ray.t_near), direction(ray.direction * shrink);
     const float length = float((ray.t_far - ray.t_near) / shrink);
     if (!is_finite(origin) || !is_finite(direction) || !std::isfinite(length) || max_abs(direction) == 0)
@@ -78,7 +82,8 @@ void Geometry::intersect(const Ray* rays, uint32_t active, Hit* hits) const {
     packet.ray.org_x[i] = origin.x, packet.ray.org_y[i] = origin.y, packet.ray.org_z[i] = origin.z;
     packet.ray.dir_x[i] = direction.x, packet.ray.dir_y[i] = direction.y, packet.ray.dir_z[i] = direction.z;
     packet.ray.tnear[i] = 0, packet.ray.tfar[i] = length;
-    packet.ray.time[i] = 0, packet.ray.mask[i] = ray.mask, packet.ray.id[i] = unsigned(i), packet.ray.flags[i] = 0;
+    packet.ray.time[i] = 0, packet.ray.mask[i] = ray.mask, packet.ray.id[i] = unsigned(i),
+    packet.ray.flags[i] = 0;
     packet.hit.geomID[i] = packet.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
   }
   if (!any) return;
@@ -90,7 +95,7 @@ void Geometry::intersect(const Ray* rays, uint32_t active, Hit* hits) const {
   }
 }
 
-SurfacePoint Geometry::surface_point(const Ray& ray, const Hit& hit) const {
+void Geometry::surface_point(const Ray& ray, const Hit& hit, SurfacePoint& s) const {
   const PlacedInstance& instance = instances_[hit.instance];
   const PlacedMesh& mesh = *meshes_[instance.mesh];
   const auto& corners = mesh.triangles[hit.triangle];
@@ -102,40 +107,37 @@ SurfacePoint Geometry::surface_point(const Ray& ray, const Hit& hit) const {
   const Vec3d direction = instance.shared ? render_from_mesh.inverse_vector(ray.direction) : ray.direction;
   const Barycentric h = intersect_plane(origin, direction, a, edge1, edge2);
 
-  SurfacePoint s;
   s.t = h.t;
   const Vec3d in_mesh = a + edge1 * h.u + edge2 * h.v;
-  s.position = render_from_mesh.point(in_mesh);
-  // The cofactor matrix turns normals with the determinant's sign; outward stays outward.
-  const double orientation = instance.render_from_object.determinant() < 0 ? -1 : 1;
   Vec3d geometric = cross(edge1, edge2);
-  if (instance.shared) geometric = render_from_mesh.normal(geometric);
-  s.geometric_normal = normalize(geometric) * orientation;
+  if (instance.shared) {
+    s.position = render_from_mesh.point(in_mesh);
+    geometric = render_from_mesh.normal(geometric);
+  } else {
+    s.position = in_mesh;
+  }
+  // The cofactor matrix turns normals with the determinant's sign; outward stays outward.
+  s.geometric_normal = normalize(geometric) * instance.orientation;
   s.normal = s.geometric_normal;
   if (!mesh.corner_normals.empty()) {
     const Vec3f* n = &mesh.corner_normals[3 * size_t(hit.triangle)];
-    const auto placed = [&](const Vec3d& normal) {
-      return normalize(instance.render_from_object.normal(normal)) * orientation;
-    };
-    // As Cycles does: a mesh used once is interpolated where it is placed, a shared one in its own space.
-    // Under a stretching transform the two differ a little; neither is more right.
-    const double weights[3] = {1 - h.u - h.v, h.u, h.v};
-    Vec3d interpolated;
-    for (int i = 0; i < 3; ++i)
-      interpolated += (instance.shared ? Vec3d(n[i]) : placed(Vec3d(n[i]))) * weights[i];
-    const Vec3d smooth = instance.shared ? placed(interpolated) : normalize(interpolated);
+    Vec3d interpolated = Vec3d(n[0]) * (1 - h.u - h.v) + Vec3d(n[1]) * h.u + Vec3d(n[2]) * h.v;
+    if (instance.shared)
+      interpolated = instance.render_from_object.normal(interpolated) * instance.orientation;
+    const Vec3d smooth = normalize(interpolated);
     if (is_finite(smooth) && dot(smooth, smooth) > 0) s.normal = smooth;
   }
-  s.place = {&mesh.attributes,
-             &normalization_,
-             &instance.render_from_object,
-             &render_from_mesh,
-             edge1,
-             edge2,
-             hit.triangle,
-             h.u,
-             h.v,
-             dot(s.geometric_normal, ray.direction) > 0};
+  // Field by field: a copy of a whole place would wait for the stores of its parts.
+  s.place.attributes = &mesh.attributes;
+  s.place.normalization = &normalization_;
+  s.place.render_from_object = &instance.render_from_object;
+  s.place.render_from_mesh = &render_from_mesh;
+  s.place.edge1 = edge1;
+  s.place.edge2 = edge2;
+  s.place.triangle = hit.triangle;
+  s.place.u = h.u;
+  s.place.v = h.v;
+  s.place.backfacing = dot(s.geometric_normal, ray.direction) > 0;
   if (s.place.backfacing) {
     s.geometric_normal = -s.geometric_normal;
     s.normal = -s.normal;
@@ -146,7 +148,6 @@ SurfacePoint Geometry::surface_point(const Ray& ray, const Hit& hit) const {
   const uint32_t slot = mesh.material_slots.empty() ? 0 : mesh.material_slots[hit.triangle];
   s.material = instance.materials[std::min<size_t>(slot, instance.materials.size() - 1)];
   s.receiver_set = instance.receiver_set;
-  return s;
 }
 
 }  // namespace penumbra

@@ -50,7 +50,7 @@ class Geometry {
   void intersect(const Ray* rays, uint32_t active, Hit* hits) const;
 
   /// Position and normals where `ray` meets the triangle of `hit`, recomputed in double from its vertices.
-  SurfacePoint surface_point(const Ray& ray, const Hit& hit) const;
+  void surface_point(const Ray& ray, const Hit& hit, SurfacePoint& out) const;
 
   uint64_t triangles() const { return triangle_count_; }
   uint64_t instances() const { return instances_.size(); }
@@ -68,6 +68,7 @@ class Geometry {
     uint32_t mesh;
     Affine render_from_mesh;    // from the space of PlacedMesh::positions
     Affine render_from_object;  // for normals
+    double orientation = 1;     // -1 where the transform mirrors
     double extent;              // largest coordinate difference, render space; 0 unless the mesh is shared
     bool shared;                // the mesh has a BVH of its own, and this is an instance of that
     std::vector<uint32_t> materials;

@@ -96,13 +96,16 @@ Geometry::Geometry(std::vector<Mesh> meshes, std::vector<Instance> instances, ui
                           .mesh = instance.mesh,
                           .render_from_mesh = {},
                           .render_from_object = normalization_.transform(instance.world_from_object),
+                          .orientation = 1,
                           .extent = 0,
                           .shared = meshes_[instance.mesh] != nullptr,
                           .materials = std::move(instance.materials),
                           .receiver_set = instance.receiver_set};
     has_shared_meshes_ = has_shared_meshes_ || placed.shared;
+    const double determinant = placed.render_from_object.determinant();
+    placed.orientation = determinant < 0 ? -1 : 1;
     // A scale of zero leaves nothing to be seen, as in Cycles.
-    const bool has_volume = placed.render_from_object.determinant() != 0;
+    const bool has_volume = determinant != 0;
     const auto id = unsigned(instances_.size());
     RTCGeometry geometry = nullptr;
     if (!placed.shared) {
@@ -112,6 +115,10 @@ Geometry::Geometry(std::vector<Mesh> meshes, std::vector<Instance> instances, ui
       mesh->take(source);
       if (has_volume && !mesh->triangles.empty()) {
         mesh->positions = rounded(source.positions, placed.render_from_object);
+        // As Cycles does: a mesh used once is interpolated where it is placed, a shared one in its own space.
+        // Under a stretching transform the two differ a little; neither is more right.
+        for (Vec3f& n : mesh->corner_normals)
+          n = Vec3f(normalize(placed.render_from_object.normal(Vec3d(n))) * placed.orientation);
         geometry = mesh->make_triangles(device_->device.get());
       }
       meshes_[instance.mesh] = std::move(mesh);

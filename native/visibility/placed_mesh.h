@@ -18,7 +18,7 @@ namespace penumbra {
 struct PlacedMesh {
   std::vector<Vec3f> positions;  // one more than there are vertices: Embree reads 16 bytes at a time
   std::vector<std::array<uint32_t, 3>> triangles;
-  std::vector<Vec3f> corner_normals;
+  std::vector<Vec3f> corner_normals;  // in render space and unit for a mesh used once, else the object's
   std::vector<uint32_t> material_slots;
   std::vector<Attribute> attributes;
   embree::SceneHandle scene;  // only where it is placed by instances of it

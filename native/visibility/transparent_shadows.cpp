@@ -5,7 +5,8 @@
 namespace penumbra {
 
 double Geometry::transparency(const Ray& ray, const Hit& hit) const {
-  const SurfacePoint surface = surface_point(ray, hit);
+  SurfacePoint surface;
+  surface_point(ray, hit, surface);
   return opacity_->may_be_transparent(surface.material) ? opacity_->transparency(surface, ray.direction) : 0;
 }
 

@@ -50,7 +50,8 @@ std::vector<PixelRays> collect_rays(const Scene& scene, const Geometry& geometry
         Hit hit;
         geometry.intersect(&ray, 1, &hit);
         if (!hit.found()) continue;
-        const SurfacePoint surface = geometry.surface_point(ray, hit);
+        SurfacePoint surface;
+        geometry.surface_point(ray, hit, surface);
         if (light.unseen_from(surface)) continue;
         alignas(64) float u[kPoints], v[kPoints];
         LightPoints points;

@@ -15,8 +15,8 @@ struct NamedScene {
   Scene (*make)();
 };
 
-/// A floor alone, a sphere on a floor (5k triangles), four objects (14k), a field of spheres and leaves (1 M), and the same
-/// field as 2000 instances.
+/// A floor alone, a sphere on a floor (5k triangles), four objects (14k), a field of spheres and leaves (1
+/// M), and the same field as 2000 instances.
 const std::vector<NamedScene>& scenes();
 
 /// Of this process, all threads.

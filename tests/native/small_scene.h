@@ -34,7 +34,7 @@ inline bool first_surface(const Geometry& geometry, const Vec3d& origin, const V
   Hit hit;
   geometry.intersect(&ray, 1, &hit);
   if (!hit.found()) return false;
-  out = geometry.surface_point(ray, hit);
+  geometry.surface_point(ray, hit, out);
   return true;
 }
 
