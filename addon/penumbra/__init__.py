@@ -5,7 +5,7 @@ The add-on is thin: it turns Blender's evaluated scene into arrays (export/), ha
 (native.py) and writes the finished buckets into Blender's render result (engine.py).
 """
 
-from . import engine, panels, properties
+from . import engine, panels, presets, properties
 from .report import operator
 
 bl_info = {
@@ -24,12 +24,14 @@ def register() -> None:
     properties.register()
     engine.register()
     operator.register()
+    presets.register()
     panels.register()
 
 
 def unregister() -> None:
     """Takes everything away that register() added."""
     panels.unregister()
+    presets.unregister()
     operator.unregister()
     engine.unregister()
     properties.unregister()

@@ -25,7 +25,7 @@ debug_pixel: tuple[int, int] | None = None
 class PenumbraRenderEngine(bpy.types.RenderEngine):
     bl_idname = "PENUMBRA"
     bl_label = "Penumbra"
-    bl_use_preview = False
+    bl_use_preview = True  # of materials, lights and worlds
     bl_use_eevee_viewport = True  # the shading "Material Preview" is EEVEE's
     bl_use_shading_nodes_custom = False  # offer Blender's own shader nodes in the node editor
 
@@ -58,12 +58,12 @@ class PenumbraRenderEngine(bpy.types.RenderEngine):
         """Everything from the evaluated scene to the pixels in Blender's render result; raises on any failure."""
         pn = native.require()
         scene, view_layer = depsgraph.scene_eval, depsgraph.view_layer_eval
-        statistics_path = statistics.file_path(scene, scene.frame_current)
+        statistics_path = None if self.is_preview else statistics.file_path(scene, scene.frame_current)
         if statistics_path:
             statistics.check_writable(statistics_path)
         size, region = frame_size(scene), render_region(scene)
         self.check_region(region)
-        notes = Notes()
+        notes = Notes(is_quiet=self.is_preview)
 
         start = perf_counter()
         self.update_stats("", "Exporting the scene")
@@ -74,13 +74,19 @@ class PenumbraRenderEngine(bpy.types.RenderEngine):
         self.update_stats("", "Building the ray tracing structure")
         names = [entry.name for entry in passes.wanted_by(view_layer)]
         settings = properties.native_settings(scene, size, region, names)
+        if self.is_preview:
+            settings |= properties.PREVIEW
         if debug_pixel:
             print(pn.Render(exported, settings).debug_pixel(*debug_pixel), flush=True)
             return
-        render = pn.Render(exported, settings | {"checkpoint": checkpoint.folder(scene, view_layer)})
+        if not self.is_preview:
+            settings["checkpoint"] = checkpoint.folder(scene, view_layer)
+        render = pn.Render(exported, settings)
         passes.add_to_result(self, view_layer)
-        cancelled = self.collect(render, view_layer, seconds)
+        cancelled = self.collect(render, view_layer, region, seconds)
 
+        if self.is_preview:
+            return
         found = render.statistics()
         for text in found["warnings"]:
             notes.add(text)
@@ -104,21 +110,25 @@ class PenumbraRenderEngine(bpy.types.RenderEngine):
                 f"render border: Blender renders {size[0]} x {size[1]} pixels, expected {region[2]} x {region[3]}"
             )
 
-    def collect(self, render, view_layer, seconds: dict[str, float]) -> bool:
-        """Runs the render and writes each finished bucket; True if the user cancelled it."""
-        cancelled, told = False, perf_counter()
+    def collect(self, render, view_layer, region, seconds: dict[str, float]) -> bool:
+        """Runs the render and writes each finished bucket, or all at once where nobody looks; True if the user
+        cancelled it."""
+        is_watched = not bpy.app.background
+        cancelled = False
+        began = told = perf_counter()
         render.start()
         try:
             while not render.done:
                 buckets = render.wait(POLL_SECONDS)
                 start = perf_counter()
-                for bucket in buckets:
+                for bucket in buckets if is_watched else ():
                     passes.write_bucket(self, render, view_layer, bucket)
                 seconds["return"] += perf_counter() - start
                 self.update_progress(render.progress)
                 if perf_counter() - told >= STATUS_SECONDS:  # a line in the log of a headless run
                     told = perf_counter()
-                    self.update_stats("", statistics.progress_line(render.progress, render.estimated_error))
+                    line = statistics.progress_line(render.progress, render.estimated_error, told - began)
+                    self.update_stats("", line)
                 if not cancelled and self.test_break():
                     cancelled = True
                     render.cancel()
@@ -127,6 +137,10 @@ class PenumbraRenderEngine(bpy.types.RenderEngine):
             raise
         finally:
             render.finish()
+        if not is_watched:
+            start = perf_counter()
+            passes.write_bucket(self, render, view_layer, (0, 0, *region[2:]), is_all=True)
+            seconds["return"] += perf_counter() - start
         return cancelled
 
     def publish(self, view_layer, layer_statistics: dict, path) -> None:

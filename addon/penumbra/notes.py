@@ -7,15 +7,17 @@ Printed as `Penumbra note: ...`, kept in the statistics and shown in a panel. Ne
 
 
 class Notes:
-    """Distinct notes in the order they came; the same text is printed and kept once."""
+    """Distinct notes in the order they came; the same text is kept once, and printed once unless they are quiet."""
 
-    def __init__(self) -> None:
+    def __init__(self, is_quiet: bool = False) -> None:
         self._texts: dict[str, None] = {}
+        self._is_quiet = is_quiet
 
     def add(self, text: str) -> None:
         if text not in self._texts:
             self._texts[text] = None
-            print(f"Penumbra note: {text}", flush=True)
+            if not self._is_quiet:
+                print(f"Penumbra note: {text}", flush=True)
 
     @property
     def texts(self) -> list[str]:

@@ -1,9 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The panels: settings, passes, lights, the last render's statistics, the add-on's preferences."""
+"""The panels: settings, passes, the last render's statistics and notes, the add-on's preferences."""
+
+import textwrap
 
 import bpy
 
-from . import native, statistics
+from . import native, panels_objects, statistics
+from .panel import PropertiesPanel
+from .presets import PENUMBRA_PT_presets
 
 BLENDER_PANELS = (
     "MATERIAL_PT_preview",
@@ -11,11 +15,16 @@ BLENDER_PANELS = (
     "EEVEE_MATERIAL_PT_surface",
     "EEVEE_WORLD_PT_surface",
     "DATA_PT_preview",
+    "DATA_PT_camera_dof",
+    "DATA_PT_camera_dof_aperture",
 )
 """Blender's own panels that are of use here but do not list the classic engine."""
 
 NOT_FOR_US = (
+    "DATA_PT_light",
     "DATA_PT_area",
+    "DATA_PT_spot",
+    "DATA_PT_falloff_curve",
     "RENDER_PT_freestyle",
     "RENDER_PT_gpencil",
     "RENDER_PT_stereoscopy",
@@ -24,13 +33,17 @@ NOT_FOR_US = (
 """Panels that list the classic engine, but show what Penumbra does not do, or shows in a panel of its own."""
 
 
+NOTE_WIDTH = 60
+"""Letters that fit into a panel's line."""
+
+
 def show_native_failure(layout) -> None:
     """One sentence, if the native module is missing."""
     if native.reason:
         box = layout.box()
         box.alert = True
-        for start in range(0, len(native.reason), 70):
-            box.label(text=native.reason[start : start + 70], icon="NONE" if start else "ERROR")
+        for line, part in enumerate(textwrap.wrap(native.reason, NOTE_WIDTH)):
+            box.label(text=part, icon="NONE" if line else "ERROR")
 
 
 class PenumbraPreferences(bpy.types.AddonPreferences):
@@ -44,26 +57,11 @@ class PenumbraPreferences(bpy.types.AddonPreferences):
             self.layout.label(text=native.module.build)
 
 
-class PropertiesPanel:
-    """A panel of the properties editor, for this engine only."""
-
-    bl_space_type = "PROPERTIES"
-    bl_region_type = "WINDOW"
-    bl_context = "render"
-    COMPAT_ENGINES = {"PENUMBRA"}
-
-    @classmethod
-    def poll(cls, context):
-        return context.engine in cls.COMPAT_ENGINES
-
-    def column(self):
-        self.layout.use_property_split = True
-        self.layout.use_property_decorate = False
-        return self.layout.column()
-
-
 class PENUMBRA_RENDER_PT_error(PropertiesPanel, bpy.types.Panel):
     bl_label = "Error"
+
+    def draw_header_preset(self, context):
+        PENUMBRA_PT_presets.draw_panel_header(self.layout)
 
     def draw(self, context):
         show_native_failure(self.layout)
@@ -133,27 +131,59 @@ class PENUMBRA_RENDER_PT_performance(PropertiesPanel, bpy.types.Panel):
         row.active = render.threads_mode == "FIXED"
         row.prop(render, "threads")
         column.prop(context.scene.penumbra, "memory_limit")
-        column.prop(context.scene.penumbra, "checkpoint_folder")
 
 
-class PENUMBRA_RENDER_PT_statistics(PropertiesPanel, bpy.types.Panel):
-    bl_label = "Statistics"
+class PENUMBRA_RENDER_PT_final(PropertiesPanel, bpy.types.Panel):
+    bl_label = "Final Render"
+    bl_parent_id = "PENUMBRA_RENDER_PT_performance"
 
     def draw(self, context):
         column = self.column()
-        column.prop(context.scene.penumbra, "statistics_file")
-        column.operator("penumbra.report", text="Speed against Error...", icon="GRAPH")
+        column.prop(context.scene.render, "use_persistent_data", text="Persistent Data")
+        column.prop(context.scene.penumbra, "checkpoint_folder")
+
+
+class PENUMBRA_RENDER_PT_info(PropertiesPanel, bpy.types.Panel):
+    """What the last final render did, and what it left out."""
+
+    bl_label = "Info"
+
+    def draw(self, context):
         layout = self.layout.column(align=True)
         last = statistics.last_render
         if last is None:
             layout.label(text="Nothing rendered yet")
             return
         for name, text in statistics.summary(last):
-            row = layout.split(factor=0.4)
+            row = layout.split(factor=0.3)
             row.label(text=name)
             row.label(text=text)
-        for text in last["warnings"]:
-            layout.label(text=text, icon="INFO")
+
+
+class PENUMBRA_RENDER_PT_notes(PropertiesPanel, bpy.types.Panel):
+    bl_label = "Notes"
+    bl_parent_id = "PENUMBRA_RENDER_PT_info"
+
+    @classmethod
+    def poll(cls, context):
+        return super().poll(context) and statistics.last_render is not None and statistics.last_render["warnings"]
+
+    def draw(self, context):
+        column = self.layout.column(align=True)
+        for text in statistics.last_render["warnings"]:
+            for line, part in enumerate(textwrap.wrap(text, NOTE_WIDTH)):
+                column.label(text=part, icon="BLANK1" if line else "INFO")
+
+
+class PENUMBRA_RENDER_PT_report(PropertiesPanel, bpy.types.Panel):
+    bl_label = "Report"
+    bl_parent_id = "PENUMBRA_RENDER_PT_info"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        column = self.column()
+        column.prop(context.scene.penumbra, "statistics_file")
+        column.operator("penumbra.report", text="Speed against Error...", icon="GRAPH")
 
 
 class PENUMBRA_VIEWLAYER_PT_passes(PropertiesPanel, bpy.types.Panel):
@@ -168,36 +198,21 @@ class PENUMBRA_VIEWLAYER_PT_passes(PropertiesPanel, bpy.types.Panel):
             column.prop(layer.penumbra, name)
 
 
-LIGHT_SHAPE = {
-    "AREA": ("shape", "size"),
-    "POINT": ("shadow_soft_size",),
-    "SPOT": ("shadow_soft_size", "spot_size", "spot_blend"),
-    "SUN": ("angle",),
-}
-"""The properties that give each type of light its shape."""
-
-
-class PENUMBRA_LIGHT_PT_light(PropertiesPanel, bpy.types.Panel):
-    bl_label = "Luminaire"
-    bl_context = "data"
-
-    @classmethod
-    def poll(cls, context):
-        return super().poll(context) and context.light
-
-    def draw(self, context):
-        light, column = context.light, self.column()
-        column.prop(light, "type")
-        column.prop(light, "color")
-        column.prop(light, "energy")
-        for name in LIGHT_SHAPE[light.type]:
-            column.prop(light, name)
-        if light.type == "AREA" and light.shape in ("RECTANGLE", "ELLIPSE"):
-            column.prop(light, "size_y", text="Y")
-        column.prop(light, "use_shadow", text="Cast Shadow")
-
-
-CLASSES = (PenumbraPreferences, *PropertiesPanel.__subclasses__())
+CLASSES = (
+    PenumbraPreferences,
+    PENUMBRA_RENDER_PT_error,
+    PENUMBRA_RENDER_PT_sampling,
+    PENUMBRA_RENDER_PT_pixels,
+    PENUMBRA_RENDER_PT_paths,
+    PENUMBRA_RENDER_PT_film,
+    PENUMBRA_RENDER_PT_performance,
+    PENUMBRA_RENDER_PT_final,
+    PENUMBRA_RENDER_PT_info,
+    PENUMBRA_RENDER_PT_notes,
+    PENUMBRA_RENDER_PT_report,
+    PENUMBRA_VIEWLAYER_PT_passes,
+    *panels_objects.CLASSES,
+)
 
 
 def blender_panels():

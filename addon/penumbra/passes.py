@@ -44,10 +44,11 @@ def add_to_result(engine, view_layer) -> None:
         engine.add_pass(entry.name, len(entry.channels), entry.channels, layer=view_layer.name)
 
 
-def write_bucket(engine, render, view_layer, bucket: tuple[int, int, int, int]) -> None:
+def write_bucket(engine, render, view_layer, bucket: tuple[int, int, int, int], is_all: bool = False) -> None:
     """Copies a finished bucket (x, y, w, h: pixels from the border's bottom left) into Blender's render result.
 
-    Raises RuntimeError if Blender's bucket is not of that size: the picture would be torn.
+    is_all: it is the whole picture, of a render that is finished. Raises RuntimeError if Blender's bucket is not of
+    that size: the picture would be torn.
     """
     x, y, width, height = bucket
     result = engine.begin_result(x, y, width, height, layer=view_layer.name)
@@ -59,7 +60,7 @@ def write_bucket(engine, render, view_layer, bucket: tuple[int, int, int, int]) 
             )
         layer = result.layers[0]
         for entry in wanted_by(view_layer):
-            pixels = render.read(entry.name, x, y, width, height)
+            pixels = render.view(entry.name) if is_all else render.read(entry.name, x, y, width, height)
             compat.write_pass(layer.passes.find_by_name(entry.name, ""), pixels)
     except BaseException:
         engine.end_result(result, cancel=True)

@@ -45,8 +45,8 @@ class Refinement:
         self.seconds_to_first_picture = 0.0
         self.changes = 0
         """counts up with each change of `pixels`, and at the end"""
-        self.step, self.progress, self.error_estimate = 0, 0.0, 0.0
-        """number of the picture in `pixels`, and how far the one is that is being rendered"""
+        self.step, self.progress, self.error_estimate, self.seconds = 0, 0.0, 0.0, 0.0
+        """number of the picture in `pixels`, and how far the one is that is being rendered, since so many seconds"""
         self.failure = ""
         self.done = False
 
@@ -102,13 +102,13 @@ class Refinement:
         if self._is_cancelled:  # cancel() may have come before there was this render
             return
         render.start()
-        told = perf_counter()
+        began = told = perf_counter()
         try:
             while not render.done:
                 for x, y, width, height in render.wait(WAIT_SECONDS):
                     pixels = render.read("Combined", x, y, width, height).reshape(height, width, 4)
                     yield (slice(y, y + height), slice(x, x + width)), pixels
-                self.progress = render.progress
+                self.progress, self.seconds = render.progress, perf_counter() - began
                 if perf_counter() - told >= ESTIMATE_SECONDS:
                     told, self.error_estimate = perf_counter(), render.estimated_error
             self.progress, self.error_estimate = render.progress, render.estimated_error

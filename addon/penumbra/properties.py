@@ -2,51 +2,67 @@
 """The settings: `scene.penumbra` and the pass switches `view_layer.penumbra`."""
 
 import bpy
+from bpy.app.handlers import persistent
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
 
 from . import compat
 
+# Files hold the numbers at the end of these entries: a number keeps its meaning for ever.
 STOP_RULES = [
     (
         "BOUNDED",
         "Bounded",
         "Add points until a calibrated bound of the error is below the tolerance, where penumbra can be: at least 99 %"
         " of the pixels keep it. Needs the Owen-scrambled Sobol' sampler with scrambled reuse",
+        0,
     ),
-    ("FIXED", "Fixed", "The same number of light points everywhere: Light Samples"),
+    ("FIXED", "Fixed", "The same number of light points everywhere: Light Samples", 1),
     (
         "PAPER",
         "Running Mean",
         "Ohbuchi and Aono's rule: add points until the running mean of red, green and blue has moved by less than the"
         " error tolerance since the check before",
+        2,
     ),
-    ("VARIANCE", "Variance", "Add points until the standard error of the mean is below the error tolerance"),
+    ("VARIANCE", "Variance", "Add points until the standard error of the mean is below the error tolerance", 3),
 ]
 SAMPLERS = [
-    ("PRS", "Pseudo-random", "Pairs of drand48(): plain Monte Carlo, drawn anew at each pixel"),
+    ("PRS", "Pseudo-random", "Pairs of drand48(): plain Monte Carlo, drawn anew at each pixel", 0),
     (
         "SPRS",
         "Stratified",
         "One random point in each of n x n cells, drawn anew at each pixel; only with the fixed stop rule and a square"
         " number of light samples",
+        1,
     ),
-    ("SOBOL", "Sobol'", "Sobol' sequence with the direction numbers of Numerical Recipes"),
-    ("HALTON", "Halton", "Halton sequence in bases 2 and 3"),
-    ("OWEN_SOBOL", "Owen-scrambled Sobol'", "A (0,2)-sequence with Owen's scrambling: the least error for most scenes"),
+    ("SOBOL", "Sobol'", "Sobol' sequence with the direction numbers of Numerical Recipes", 2),
+    ("HALTON", "Halton", "Halton sequence in bases 2 and 3", 3),
+    (
+        "OWEN_SOBOL",
+        "Owen-scrambled Sobol'",
+        "A (0,2)-sequence with Owen's scrambling: the least error for most scenes",
+        4,
+    ),
 ]
 SAMPLE_REUSES = [
-    ("SAME", "Same Points", "Every pixel uses the same points"),
-    ("CONTINUED", "Continued", "Each pixel goes on in the sequence where the pixel before it stopped"),
-    ("ROTATED", "Rotated", "The same points, shifted by a random offset in each pixel (Cranley-Patterson rotation)"),
-    ("SCRAMBLED", "Scrambled", "The same points, scrambled differently in each pixel"),
+    ("SAME", "Same Points", "Every pixel uses the same points", 0),
+    ("CONTINUED", "Continued", "Each pixel goes on in the sequence where the pixel before it stopped", 1),
+    ("ROTATED", "Rotated", "The same points, shifted by a random offset in each pixel (Cranley-Patterson rotation)", 2),
+    ("SCRAMBLED", "Scrambled", "The same points, scrambled differently in each pixel", 3),
 ]
 FILTERS = [
-    ("BLACKMAN_HARRIS", "Blackman-Harris", "Smooth filter, sharp edges without ringing"),
-    ("BOX", "Box", "Plain average over the filter's width"),
+    ("BLACKMAN_HARRIS", "Blackman-Harris", "Smooth filter, sharp edges without ringing", 0),
+    ("BOX", "Box", "Plain average over the filter's width", 1),
 ]
 
 
-NOT_FOR_THE_NATIVE_RENDER = ("statistics_file", "checkpoint_folder")
+PREVIEW = {
+    "stop_rule": "FIXED", "sampler": "OWEN_SOBOL", "sample_reuse": "SCRAMBLED", "light_samples": 16, "pixel_samples": 4,
+    "mirror_depth": 2,
+}  # fmt: skip
+"""What the previews of materials, lights and worlds are rendered with: they are to be there at once."""
+
+NOT_FOR_THE_NATIVE_RENDER = ("statistics_file", "checkpoint_folder", "saved_by")
 
 
 class PenumbraSettings(bpy.types.PropertyGroup):
@@ -135,6 +151,10 @@ class PenumbraSettings(bpy.types.PropertyGroup):
         " error. 0: no limit",
         default=0, min=0, max=2**31 - 1, soft_max=2**17,
     )  # fmt: skip
+    saved_by: StringProperty(
+        name="Saved By", description="Version of Penumbra that the file was saved with; empty for one never saved",
+        default="", options={"HIDDEN"},
+    )  # fmt: skip
 
 
 class PenumbraViewLayerSettings(bpy.types.PropertyGroup):
@@ -148,11 +168,45 @@ class PenumbraViewLayerSettings(bpy.types.PropertyGroup):
     )
 
 
+def value_of(settings, name: str):
+    """A setting; the default where a file holds a choice that this version of Penumbra does not know."""
+    definition = settings.bl_rna.properties[name]
+    value = getattr(settings, name)
+    return definition.default if definition.type == "ENUM" and value not in definition.enum_items else value
+
+
+def unknown_choices(settings) -> list[str]:
+    """Names of the settings whose choice this version of Penumbra does not know."""
+    names = [name for name in settings.__annotations__ if settings.bl_rna.properties[name].type == "ENUM"]
+    return [name for name in names if value_of(settings, name) != getattr(settings, name)]
+
+
+@persistent
+def upgrade(*_) -> None:
+    """Called when a file was loaded: what another version has chosen and this one does not know becomes the default."""
+    for scene in bpy.data.scenes:
+        for name in unknown_choices(scene.penumbra):
+            scene.penumbra.property_unset(name)
+            print(f"Penumbra note: scene {scene.name!r}: its {name} is none that this version knows; the default "
+                  f"{getattr(scene.penumbra, name)} is used", flush=True)  # fmt: skip
+
+
+@persistent
+def stamp(*_) -> None:
+    """Called before a file is saved: it remembers which version's settings these are."""
+    from . import bl_info
+
+    version = ".".join(map(str, bl_info["version"]))
+    for scene in bpy.data.scenes:
+        if scene.render.engine == "PENUMBRA":
+            scene.penumbra.saved_by = version
+
+
 def native_settings(scene, size: tuple[int, int], region: tuple[int, int, int, int], passes: list[str]) -> dict:
     """The settings of the native render; `size` (width, height) of the full frame, `region` (x, y, w, h), in pixels."""
     own = scene.penumbra
     names = [name for name in PenumbraSettings.__annotations__ if name not in NOT_FOR_THE_NATIVE_RENDER]
-    return {name: getattr(own, name) for name in names} | {
+    return {name: value_of(own, name) for name in names} | {
         "width": size[0],
         "height": size[1],
         "region": region,
@@ -167,9 +221,13 @@ def register() -> None:
     bpy.utils.register_class(PenumbraViewLayerSettings)
     bpy.types.Scene.penumbra = PointerProperty(type=PenumbraSettings)
     bpy.types.ViewLayer.penumbra = PointerProperty(type=PenumbraViewLayerSettings)
+    bpy.app.handlers.load_post.append(upgrade)
+    bpy.app.handlers.save_pre.append(stamp)
 
 
 def unregister() -> None:
+    bpy.app.handlers.save_pre.remove(stamp)
+    bpy.app.handlers.load_post.remove(upgrade)
     del bpy.types.ViewLayer.penumbra
     del bpy.types.Scene.penumbra
     bpy.utils.unregister_class(PenumbraViewLayerSettings)

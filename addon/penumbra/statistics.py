@@ -11,6 +11,9 @@ import bpy
 last_render: dict | None = None
 """The statistics of the last final render in this session, for the panel."""
 
+FIRST_SHARE, FIRST_SECONDS = 0.02, 1.0
+"""From this share of the pixels and after this time on the time left can be told."""
+
 SUMS = (
     "triangles", "instances", "luminaires", "meshes", "primary_rays", "mirror_rays", "shadow_rays",
     "shadow_rays_beyond_stop", "points_without_ray", "light_points", "pixels_at_sample_limit", "non_finite_pixels",
@@ -28,10 +31,22 @@ def peak_memory() -> int:
     return peak if sys.platform == "darwin" else peak * 1024
 
 
-def progress_line(done: float, error: float) -> str:
-    """How far a render is: the share of the pixels done, and what nearly all of them may still be off by."""
-    line = f"{100 * done:.0f} % of the pixels done"
-    return f"{line}, 99 % of them with an estimated error below {error:.2g}" if error > 0 else line
+def time_left(done: float, seconds: float) -> str:
+    """What is left of a render of which a share was done in some seconds; nothing before that can be told."""
+    if not (FIRST_SHARE <= done < 1 and seconds >= FIRST_SECONDS):
+        return ""
+    left = seconds * (1 - done) / done
+    if left < 60:
+        return f"about {max(left, 1):.0f} s left"
+    minutes = round(left / 60)
+    return f"about {minutes} min left" if minutes < 120 else f"about {minutes / 60:.0f} h left"
+
+
+def progress_line(done: float, error: float, seconds: float = 0.0) -> str:
+    """How far a render is after some seconds: the share of the pixels done, the time left, and what nearly all of the
+    pixels done may still be off by."""
+    line = ", ".join(filter(None, [f"{100 * done:.0f} % of the pixels done", time_left(done, seconds)]))
+    return f"{line}, 99 % of those done with an estimated error below {error:.2g}" if error > 0 else line
 
 
 def of_view_layer(native: dict, seconds: dict[str, float], notes: list[str], cancelled: bool) -> dict:

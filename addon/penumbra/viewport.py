@@ -67,6 +67,10 @@ class Viewport:
         """The running or last one."""
         return self._refiner.current
 
+    def shows(self, refinement: Refinement) -> bool:
+        """Whether a picture of it was drawn."""
+        return self._shown is not None and self._shown[0] is refinement
+
     def update(self, context, depsgraph) -> None:
         """Exports the scene if that is needed, and has the view drawn, which settings alone would not do."""
         with_failures_shown(self, self._update, context.space_data, depsgraph)
@@ -141,7 +145,7 @@ class Viewport:
         if engine is None or now is None:
             return None
         is_over, is_new = now.done, self._shown != (now, now.changes)
-        is_first = self._shown is None or self._shown[0] is not now
+        is_first = not self.shows(now)
         if is_new and (is_over or is_first or perf_counter() - self._drawn_at >= REDRAW_SECONDS):
             self.show_status()
             engine.tag_redraw()
@@ -153,7 +157,7 @@ class Viewport:
         now = self.refinement
         if now is None:
             return ""
-        done = statistics.progress_line(now.progress, now.error_estimate)
+        done = statistics.progress_line(now.progress, now.error_estimate, now.seconds)
         return f"Picture {max(now.step, 1)} of {STEPS}: {done}"
 
     def show_status(self) -> None:

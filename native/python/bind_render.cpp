@@ -117,6 +117,16 @@ class PythonRender {
     return copy_block(film.pass(name), region.width, pass_channels(name), x, y, width, height);
   }
 
+  /// The film's own memory; owner: this object's Python side.
+  py::array_t<float> view(const py::object& owner, const std::string& name) const {
+    const Film& film = renderer_->film();
+    const auto channels = py::ssize_t(pass_channels(name));
+    const std::vector<float>& values = film.pass(name);
+    py::array_t<float> result({py::ssize_t(values.size()) / channels, channels}, values.data(), owner);
+    result.attr("setflags")(py::arg("write") = false);
+    return result;
+  }
+
   py::dict passes() const {
     py::dict result;
     const Rectangle& region = renderer_->film().region();
@@ -216,6 +226,15 @@ setting. Building the acceleration structure happens here, once a scene; Runtime
       .def("read", &PythonRender::read, py::arg("name"), py::arg("x"), py::arg("y"), py::arg("width"),
            py::arg("height"),
            "A block of a pass: (height * width, channels) float32, bottom row first, a copy.")
+      .def(
+          "view",
+          [](const py::object& self, const std::string& name) {
+            return self.cast<const PythonRender&>().view(self, name);
+          },
+          py::arg("name"),
+          "A whole pass in the renderer's own memory: (height * width, channels) float32, bottom row first, "
+          "read "
+          "only. Call it after finish(), as pixels that are being written are not whole.")
       .def("passes", &PythonRender::passes,
            "All passes: name -> (height, width, channels) float32, bottom row first.")
       .def("statistics", &PythonRender::statistics, "What was done and what it took; of a finished render.");

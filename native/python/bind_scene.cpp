@@ -171,7 +171,14 @@ refers to.)")
           R"(kind: PERSPECTIVE or ORTHOGRAPHIC, looking along local -z. window: (left, right, bottom, top) of the full
 frame, in the plane z = -1 or in world units. clip: (start, end) along the view axis. aperture: (radius, focus
 distance, blades, rotation, ratio) of a thin lens, lengths in world units and the rotation in radians; round below
-three blades, its height `ratio` times its width. One ray a pixel goes through its middle.)");
+three blades, its height `ratio` times its width. One ray a pixel goes through its middle.)")
+      .def_property_readonly(
+          "is_lit",
+          [](const PythonScene& self) {
+            const Background& background = self.scene->background();
+            return !self.scene->luminaires().empty() || (background.lights && max_abs(background.color) > 0);
+          },
+          "Whether there is any luminaire, or a background that lights.");
 }
 
 }  // namespace penumbra::python

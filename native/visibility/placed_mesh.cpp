@@ -64,10 +64,10 @@ void PlacedMesh::build(embree::CountedDevice& device, const std::string& name) {
   scene = std::move(made);
 }
 
-KeptMesh::KeptMesh(Mesh mesh, std::shared_ptr<embree::CountedDevice> device)
+KeptMesh::KeptMesh(Mesh mesh, uint64_t hash, std::shared_ptr<embree::CountedDevice> device)
     : device_(std::move(device)),
       name_(mesh.name),
-      hash_(hash_of(mesh)),
+      hash_(hash),
       box_(bounds_of(mesh.positions)),
       left_out_(remove_useless_triangles(mesh)),
       source_(std::move(mesh)) {}
@@ -97,9 +97,10 @@ std::shared_ptr<const PlacedMesh> KeptMesh::placed(bool may_be_transparent) {
 
 std::shared_ptr<KeptMesh> MeshStore::keep(Mesh mesh) {
   std::erase_if(meshes_, [](const auto& entry) { return entry.second.expired(); });
-  std::weak_ptr<KeptMesh>& found = meshes_[hash_of(mesh)];
+  const uint64_t hash = hash_of(mesh);
+  std::weak_ptr<KeptMesh>& found = meshes_[hash];
   if (std::shared_ptr<KeptMesh> kept = found.lock()) return kept;
-  auto kept = std::make_shared<KeptMesh>(std::move(mesh), device_);
+  auto kept = std::make_shared<KeptMesh>(std::move(mesh), hash, device_);
   found = kept;
   return kept;
 }

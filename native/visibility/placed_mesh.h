@@ -50,8 +50,8 @@ std::vector<Vec3f> rounded(const std::vector<Vec3d>& positions, const Affine& tr
 /// after the other or at the same time.
 class KeptMesh {
  public:
-  /// mesh: checked as a scene does.
-  KeptMesh(Mesh mesh, std::shared_ptr<embree::CountedDevice> device);
+  /// mesh: checked as a scene does; hash: its.
+  KeptMesh(Mesh mesh, uint64_t hash, std::shared_ptr<embree::CountedDevice> device);
 
   uint64_t hash() const { return hash_; }
   const std::string& name() const { return name_; }

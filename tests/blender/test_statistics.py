@@ -97,4 +97,15 @@ def test_the_summary_names_time_rays_and_error(cube_scene):
 def test_progress_tells_of_pixels_and_of_error():
     assert statistics.progress_line(0.0, 0.0) == "0 % of the pixels done"
     line = statistics.progress_line(0.25, 0.00312)
-    assert line == "25 % of the pixels done, 99 % of them with an estimated error below 0.0031"
+    assert line == "25 % of the pixels done, 99 % of those done with an estimated error below 0.0031"
+    line = statistics.progress_line(0.25, 0.00312, 10.0)
+    assert line == "25 % of the pixels done, about 30 s left, 99 % of those done with an estimated error below 0.0031"
+
+
+@pytest.mark.parametrize(("done", "seconds", "text"), [
+    (0.01, 100, ""), (0.5, 0.5, ""), (1.0, 10, ""), (0.5, 10, "about 10 s left"), (0.99, 2, "about 1 s left"),
+    (0.1, 60, "about 9 min left"), (0.02, 1000, "about 14 h left"),
+])  # fmt: skip
+def test_the_time_left(done, seconds, text):
+    """What is left at the same pace."""
+    assert statistics.time_left(done, seconds) == text

@@ -21,7 +21,8 @@ DISPLAY_STEPS = 2.5 / 255
 
 def make_scene(scene) -> None:
     """A cube on a floor: lit, penumbra, full shadow, and beyond the floor nothing."""
-    add_plane(scene, "Floor", size=20)
+    floor = add_plane(scene, "Floor", size=20)
+    floor.data.materials.append(bpy.data.materials.new("Paint"))
     add_cube(scene, size=1.5, location=(0, 0, 1))
     add_area_light(scene, location=(2, 0, 5), power=100)
     add_camera(scene, location=(0, -8, 6), rotation=(0.9, 0, 0))
@@ -89,9 +90,31 @@ def test_the_screen_shows_the_picture_through_colour_management(session, step):
 def test_only_a_change_of_the_scene_is_exported(session):
     exports = {name: figures["exports"] for name, figures in session.items() if name != "left"}
     assert exports["shade"] == exports["select_object"] == exports["orbit"] == exports["look_orthographically"] == 1
-    assert exports["move_object"] == exports["draw_border"] == exports["tighten"] == exports["mend_settings"] == 2
+    steps = ("move_object", "dim_light", "paint", "deform", "hide", "show")
+    assert [exports[step] for step in steps] == [2, 3, 4, 5, 6, 7]
+    assert exports["draw_border"] == exports["tighten"] == exports["mend_settings"] == 7
     moved = abs(session["move_object"]["picture"] - session["look_orthographically"]["picture"]).max(axis=-1)
     assert 0.005 < np.mean(moved > 0.1) < 0.5
+
+
+def test_only_meshes_that_may_have_changed_are_read(session):
+    """A transform, a light and a material leave both meshes alone. What is hidden and shown again may have got another
+    address: then all that is there is read, and found to be what it was."""
+    read = {name: figures["meshes_read"] for name, figures in session.items() if name != "left"}
+    assert read["shade"] == read["move_object"] == read["dim_light"] == read["paint"] == 2
+    assert (read["deform"], read["hide"], read["show"]) == (4, 5, 7)
+
+
+@pytest.mark.parametrize(("step", "before"), [
+    ("dim_light", "move_object"), ("paint", "dim_light"), ("deform", "paint"), ("hide", "deform"),
+])  # fmt: skip
+def test_each_change_is_seen(session, step, before):
+    changed = abs(session[step]["picture"] - session[before]["picture"]).max(axis=-1)
+    assert np.mean(changed > 0.02) > 0.004
+
+
+def test_what_comes_back_is_what_it_was(session):
+    np.testing.assert_array_equal(session["show"]["picture"], session["deform"]["picture"])
 
 
 def test_a_border_is_cut_out_of_the_whole_picture(session):
@@ -101,7 +124,7 @@ def test_a_border_is_cut_out_of_the_whole_picture(session):
     part = session["draw_border"]["picture"]
     rows, columns = part.shape[:2]
     assert abs(columns - width / 4) <= 1 and abs(rows - height / 4) <= 1
-    off = abs(part - session["move_object"]["picture"][y : y + rows, x : x + columns]).max(axis=-1)
+    off = abs(part - session["show"]["picture"][y : y + rows, x : x + columns]).max(axis=-1)
     assert np.mean(off > 2 * TOLERANCE) < 0.01
     outside = session["draw_border"]["screen"][: y - 3]
     assert np.ptp(outside.mean(axis=-1)) < np.ptp(session["move_object"]["screen"][: y - 3].mean(axis=-1)) / 2
@@ -125,7 +148,7 @@ def test_a_broken_scene_is_told_of_and_the_last_picture_stays(session):
 def test_a_transparent_film_shows_the_background_of_the_view(session):
     alpha = session["clear_film"]["picture"][..., 3]
     assert set(np.unique(alpha)) == {0.0, 1.0}
-    before, after = (session[name]["screen"][alpha == 0] for name in ("move_object", "clear_film"))
+    before, after = (session[name]["screen"][alpha == 0] for name in ("show", "clear_film"))
     assert np.median(before) == 0 and np.median(after) > 0.1
 
 

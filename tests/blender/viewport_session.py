@@ -52,7 +52,8 @@ def record(name: str, since: float) -> None:
     np.savez(FOLDER / f"{name}.npz", screen=screen, picture=np.zeros(0) if picture is None else picture)
     now = shown.refinement
     recorded[name] = {
-        "exports": shown.exports, "failure": shown.failure or now.failure, "status": shown.status, "step": now.step,
+        "exports": shown.exports, "meshes_read": shown.meshes_read,
+        "failure": shown.failure or now.failure, "status": shown.status, "step": now.step,
         "seconds_to_first_picture": now.seconds_to_first_picture, "seconds": perf_counter() - since,
         "size": [region.width, region.height],
     }  # fmt: skip
@@ -95,6 +96,30 @@ def look_orthographically() -> None:
 
 def move_object() -> None:
     bpy.data.objects["Cube"].location.x += 1.5
+
+
+def dim_light() -> None:
+    bpy.data.lights["Light"].energy /= 2
+
+
+def paint() -> None:
+    """Another colour, of the material of the floor."""
+    bpy.data.materials["Paint"].diffuse_color = (0.2, 0.5, 0.1, 1)
+
+
+def deform() -> None:
+    mesh = bpy.data.objects["Cube"].data
+    for vertex in mesh.vertices:
+        vertex.co.z *= 1.5
+    mesh.update()
+
+
+def hide() -> None:
+    bpy.data.objects["Cube"].hide_set(True)
+
+
+def show() -> None:
+    bpy.data.objects["Cube"].hide_set(False)
 
 
 def select_object() -> None:
@@ -157,7 +182,8 @@ def leave() -> None:
 
 STEPS = {
     shade: is_settled, select_object: is_settled, orbit: is_settled, look_orthographically: is_settled,
-    move_object: is_settled, draw_border: is_settled, tighten: is_settled, break_settings: is_settled,
+    move_object: is_settled, dim_light: is_settled, paint: is_settled, deform: is_settled, hide: is_settled,
+    show: is_settled, draw_border: is_settled, tighten: is_settled, break_settings: is_settled,
     mend_settings: is_settled, break_material: is_settled, mend_material: is_settled, clear_film: is_settled,
     ask_too_much: is_at_last_picture, turn: has_first_picture,
 }  # fmt: skip

@@ -63,6 +63,9 @@ def export_scene(pn, depsgraph, camera_object, notes: Notes, is_cancelled: Calla
             luminaires.add(instance)
         elif kind in LEFT_OUT:
             notes.add(f"object {instance.object.name!r}: {LEFT_OUT[kind]} are not supported yet and were left out")
+    if not scene.is_lit:
+        notes.add(f"scene {depsgraph.scene.name!r}: nothing lights it: no light shines, no mesh emits, and the world"
+                  " gives no light")  # fmt: skip
     if kept:
         kept.end()
     return scene

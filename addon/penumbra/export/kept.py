@@ -10,6 +10,8 @@ from .shader import AttributeNames
 WITHOUT_GEOMETRY = (bpy.types.Scene, bpy.types.Camera, bpy.types.Light, bpy.types.Material, bpy.types.World,
                     bpy.types.Image, bpy.types.ShaderNodeTree)  # fmt: skip
 """Datablocks whose change leaves meshes as they are; an object says itself whether its geometry has changed."""
+SHAPELESS = {"LIGHT", "CAMERA", "SPEAKER", "LIGHT_PROBE"}
+"""Types of objects that are no meshes; Blender calls the change of a light one of its geometry."""
 UNSEEN = (bpy.types.Scene, bpy.types.Camera)
 """Datablocks whose change is none of what is exported to a 3D view."""
 
@@ -39,7 +41,7 @@ def changes_in(depsgraph) -> Changes:
                 continue
             is_shaded = update.is_updated_shading and not is_scenes
             content = content or update.is_updated_geometry or update.is_updated_transform or is_shaded
-            geometry = geometry or update.is_updated_geometry
+            geometry = geometry or (update.is_updated_geometry and changed.type not in SHAPELESS)
         else:
             content = content or not isinstance(changed, UNSEEN)
             geometry = geometry or not isinstance(changed, WITHOUT_GEOMETRY)
@@ -57,6 +59,7 @@ class Kept:
         self._store = native_module.MeshStore()
         self._before: dict = {}
         self._now: dict = {}
+        self._alive: list = []  # a mesh that nobody holds is not found again
         self.attributes = AttributeNames()
         """One numbering for all exports, as meshes know attributes by their numbers"""
         self.meshes_read = 0
@@ -64,11 +67,12 @@ class Kept:
 
     def begin(self, changes: Changes = ALL) -> None:
         """Called before an export: what has changed since the last one."""
+        self._alive = [*self._before.values(), *self._now.values()]
         self._before, self._now = ({} if changes.geometry else self._now | self._before), {}
 
     def end(self) -> None:
         """Called after a whole export: lets go of what it did not use."""
-        self._before = {}
+        self._before, self._alive = {}, []
 
     def mesh(self, key, read):
         """The kept mesh of an address in Blender's memory, or None if it has no triangles. read: returns the arguments
