@@ -126,9 +126,11 @@ Closures constant_closures(const Program& program) {
   return result;
 }
 
-Materials::Materials(std::shared_ptr<const Scene> scene)
-    : scene_(std::move(scene)),
-      textures_(scene_->images().empty() ? nullptr : std::make_unique<Textures>(scene_->images())) {}
+Materials::Materials(std::shared_ptr<const Scene> scene, TextureStore* store) : scene_(std::move(scene)) {
+  const std::vector<Image>& images = scene_->images();
+  if (!images.empty())
+    textures_ = store ? store->textures_of(images) : std::make_shared<const Textures>(images);
+}
 
 bool Materials::may_be_transparent(uint32_t material) const {
   return scene_->materials()[material].may_be_transparent();

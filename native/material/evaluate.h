@@ -6,7 +6,7 @@
 #include <string>
 
 #include "material/machine.h"
-#include "material/textures.h"
+#include "material/texture_store.h"
 #include "scene/closures.h"
 #include "scene/opacity.h"
 #include "scene/scene.h"
@@ -36,8 +36,9 @@ struct Seen {
 /// A scene's materials at surface points. Threads may evaluate at the same time.
 class Materials final : public Opacity {
  public:
-  /// Starts the texture system if the scene has images. The scene's materials must not change any more.
-  explicit Materials(std::shared_ptr<const Scene> scene);
+  /// Starts the texture system if the scene has images, but for those that a store has. The scene's materials
+  /// must not change any more.
+  explicit Materials(std::shared_ptr<const Scene> scene, TextureStore* store = nullptr);
 
   /// The closures at a surface point; its shading normal is replaced where the material bumps it.
   Closures evaluate(const Program& program, SurfacePoint& surface, const Seen& seen) const;
@@ -50,7 +51,7 @@ class Materials final : public Opacity {
 
  private:
   std::shared_ptr<const Scene> scene_;
-  std::unique_ptr<const Textures> textures_;
+  std::shared_ptr<const Textures> textures_;
 };
 
 /// Closures of a program without operations, by its constants; for folded materials.

@@ -59,13 +59,18 @@ std::shared_ptr<KeptMesh> keep(MeshStore& self, const std::string& name, const p
   return self.keep(std::move(mesh));
 }
 
-/// Meshes that stay from scene to scene.
-void bind_kept_meshes(py::module_& module) {
+/// Meshes and textures that stay from scene to scene.
+void bind_stores(py::module_& module) {
   py::class_<KeptMesh, std::shared_ptr<KeptMesh>>(module, "KeptMesh",
                                                   R"(A mesh with a ray tracing structure of its own.
 
 It is built when a Render first needs it, and shared by all scenes that the mesh is added to.)")
       .def_property_readonly("name", &KeptMesh::name, "That of the object it was first kept for.");
+  py::class_<TextureStore, std::shared_ptr<TextureStore>>(module, "TextureStore",
+                                                          R"(The textures of the last scene built with it.
+
+The next one uses them, and what was read of them, if its images are the same and their files have not changed.)")
+      .def(py::init<>());
   py::class_<MeshStore>(module, "MeshStore", R"(Finds kept meshes by their content.
 
 It holds none itself: a mesh goes with the last KeptMesh or Scene that has it. A scene's kept meshes must all be of one
@@ -104,14 +109,14 @@ void PythonScene::build(uint64_t memory_limit) {
   if (geometry) return;
   const auto begin = std::chrono::steady_clock::now();
   auto [meshes, instances] = scene->release_geometry();
-  materials = std::make_shared<const Materials>(std::make_shared<const Scene>(*scene));
+  materials = std::make_shared<const Materials>(std::make_shared<const Scene>(*scene), texture_store.get());
   geometry = std::make_shared<Geometry>(std::move(meshes), std::move(instances), memory_limit,
                                         scene->has_transparency() ? materials : nullptr);
   build_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
 void bind_scene(py::module_& module) {
-  bind_kept_meshes(module);
+  bind_stores(module);
   py::class_<PythonScene> scene(module, "Scene",
                                 R"(What is to be rendered, in world space (metres), double precision.
 
@@ -119,7 +124,13 @@ Every method raises ValueError with the object's name in the text where its argu
 copied. Once a Render was made of the scene, meshes and instances are fixed; the rest may still change.)");
   bind_material(module, scene);
   bind_luminaires(module, scene);
-  scene.def(py::init<>())
+  scene
+      .def(py::init([](std::shared_ptr<TextureStore> textures) {
+             PythonScene made;
+             made.texture_store = std::move(textures);
+             return made;
+           }),
+           py::arg("textures") = py::none())
       .def("add_mesh", &add_mesh, py::arg("name"), py::arg("positions"), py::arg("triangles"),
            py::arg("corner_normals") = py::none(), py::arg("material_slots") = py::none(),
            py::arg("attributes") = Attributes{},

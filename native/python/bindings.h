@@ -20,6 +20,7 @@ struct PythonScene {
   std::shared_ptr<Scene> scene = std::make_shared<Scene>();
   std::shared_ptr<const Materials> materials;
   std::shared_ptr<const Geometry> geometry;
+  std::shared_ptr<TextureStore> texture_store;  // may be none
   double build_seconds = 0;
 
   /// memory_limit: bytes, 0: none.

@@ -5,6 +5,7 @@ The oracle is each frame rendered by itself without persistent data, where nothi
 space of their own, so pictures agree within rounding but where a ray grazes an edge.
 """
 
+import os
 from pathlib import Path
 
 import bpy
@@ -238,3 +239,49 @@ def test_memory_does_not_grow_over_a_hundred_frames(lit_scene, tmp_path, persist
         bpy.app.handlers.render_post.remove(measure)
     assert len(after) == 100
     assert after[-1] - after[19] < 24
+
+
+def test_textures_stay_until_their_file_changes(lit_scene, tmp_path):
+    """A file that changes behind its back, its time of change put back, shows as before: its pixels were kept. With
+    another time it is read again."""
+    path = tmp_path / "colour.png"
+
+    def save(colour) -> None:
+        image = bpy.data.images.new("Made", 4, 4)
+        image.generated_color = (*colour, 1)
+        image.filepath_raw, image.file_format = str(path), "PNG"
+        image.save()
+        bpy.data.images.remove(image)
+
+    save((1, 0, 0))
+    floor = add_plane(lit_scene, "Floor", size=20)
+    material = bpy.data.materials.new("Textured")
+    material.use_nodes = True
+    nodes, links = material.node_tree.nodes, material.node_tree.links
+    nodes.clear()
+    output, diffuse, texture = (
+        nodes.new(f"ShaderNode{name}") for name in ("OutputMaterial", "BsdfDiffuse", "TexImage")
+    )
+    texture.image = bpy.data.images.load(str(path))
+    links.new(texture.outputs["Color"], diffuse.inputs["Color"])
+    links.new(diffuse.outputs[0], output.inputs["Surface"])
+    floor.data.materials.append(material)
+    lit_scene.render.use_persistent_data = True
+
+    def is_red() -> bool:
+        colour = render_pixels(lit_scene)["Combined"][..., :3].mean(axis=(0, 1))
+        assert colour.max() > 0.05 and sorted(colour)[1] < 1e-3
+        return colour[0] > colour[1]
+
+    assert is_red()
+    before = path.stat()
+    save((0, 1, 0))
+    os.utime(path, ns=(before.st_atime_ns, before.st_mtime_ns))
+    assert is_red()
+    os.utime(path, ns=(before.st_atime_ns, before.st_mtime_ns + 10**9))
+    assert not is_red()
+    save((1, 0, 0))
+    os.utime(path, ns=(before.st_atime_ns, before.st_mtime_ns + 10**9))
+    assert not is_red()
+    lit_scene.render.use_persistent_data = False
+    assert is_red()

@@ -12,6 +12,7 @@ from .luminaires import Luminaires
 from .materials import Materials
 from .mesh_lights import MeshLights
 from .meshes import Meshes
+from .places import world_matrices
 
 __all__ = ["ExportCancelled", "ExportError", "Kept", "export_scene", "is_shown"]
 
@@ -39,7 +40,7 @@ def export_scene(pn, depsgraph, camera_object, notes: Notes, is_cancelled: Calla
     at fault; ExportCancelled as soon as `is_cancelled()` is seen. space: a 3D view, whose own camera is set later, and
     whose hidden objects are left out. kept: what earlier exports left; its begin() tells what has changed since.
     """
-    scene = pn.Scene()
+    scene = pn.Scene(kept.textures) if kept else pn.Scene()
     materials = Materials(pn, scene, notes, depsgraph.view_layer_eval.material_override,
                           depsgraph.scene_eval.frame_current, kept and kept.attributes)  # fmt: skip
     linking = LightLinking(pn, depsgraph, notes)
@@ -50,6 +51,7 @@ def export_scene(pn, depsgraph, camera_object, notes: Notes, is_cancelled: Calla
     if space is None:
         camera.export(scene, depsgraph, camera_object, notes)
     world.export(scene, depsgraph.scene_eval, notes)
+    matrices = world_matrices(depsgraph.object_instances)
     for count, instance in enumerate(depsgraph.object_instances):
         if count % OBJECTS_BETWEEN_BREAKS == 0 and is_cancelled():
             raise ExportCancelled
@@ -57,7 +59,7 @@ def export_scene(pn, depsgraph, camera_object, notes: Notes, is_cancelled: Calla
             continue
         kind = instance.object.type
         if kind == "MESH":  # curves, text, surfaces and metaballs come as instances of a mesh, too
-            meshes.add(instance)
+            meshes.add(instance, matrices[count])
             mesh_lights.add(instance)
         elif kind == "LIGHT":
             luminaires.add(instance)

@@ -49,7 +49,7 @@ def changes_in(depsgraph) -> Changes:
 
 
 class Kept:
-    """The meshes of the last export, with their ray tracing structures.
+    """The meshes of the last export, with their ray tracing structures, and the textures' pixels.
 
     They are found by their content, so whatever was read anew and is as before costs no more than the reading. Where
     the depsgraph tells that no geometry has changed, evaluated meshes are found by their addresses and not even read.
@@ -57,6 +57,7 @@ class Kept:
 
     def __init__(self, native_module) -> None:
         self._store = native_module.MeshStore()
+        self.textures = native_module.TextureStore()
         self._before: dict = {}
         self._now: dict = {}
         self._alive: list = []  # a mesh that nobody holds is not found again
