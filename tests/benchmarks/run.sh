@@ -20,6 +20,9 @@ blender -b --factory-startup --python-exit-code 1 -P examples/make_four_objects.
 blender -b examples/four_objects.blend --python-exit-code 1 -P tests/benchmarks/against_cycles.py -- "$output" 50 |
   grep -E "Penumbra|Cycles"
 
+echo "== export: from Blender's arrays to the native scene, and the picture back"
+blender -b --factory-startup --python-exit-code 1 -P tests/benchmarks/export.py -- "$output" | grep "^export"
+
 echo "== antialiased pictures at equal error: Penumbra and Cycles, one thread, 320 x 240"
 blender -b --factory-startup --python-exit-code 1 -P tests/benchmarks/antialiased.py -- "$output" | grep -E "P99|99th"
 echo "Results are in $output/"

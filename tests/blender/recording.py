@@ -75,9 +75,11 @@ class Recording:
                 )  # fmt: skip
                 return super().add_mesh_light(name, positions, triangles, matrix, radiance, role=role)
 
-            def set_camera(self, kind, matrix, window, clip):
-                recording.camera = SimpleNamespace(kind=kind, matrix=matrix, window=window, clip=clip)
-                return super().set_camera(kind, matrix, window, clip)
+            def set_camera(self, kind, matrix, window, clip, aperture=None):
+                recording.camera = SimpleNamespace(
+                    kind=kind, matrix=matrix, window=window, clip=clip, aperture=aperture
+                )
+                return super().set_camera(kind, matrix, window, clip, aperture)
 
             def set_background(self, **background):
                 recording.background = SimpleNamespace(**background)

@@ -266,22 +266,27 @@ def test_textures_stay_until_their_file_changes(lit_scene, tmp_path):
     links.new(texture.outputs["Color"], diffuse.inputs["Color"])
     links.new(diffuse.outputs[0], output.inputs["Surface"])
     floor.data.materials.append(material)
-    lit_scene.render.use_persistent_data = True
+    times = path.stat()
 
-    def is_red() -> bool:
-        colour = render_pixels(lit_scene)["Combined"][..., :3].mean(axis=(0, 1))
-        assert colour.max() > 0.05 and sorted(colour)[1] < 1e-3
-        return colour[0] > colour[1]
+    def save_behind_its_back(colour, later: int = 0) -> None:
+        save(colour)
+        os.utime(path, ns=(times.st_atime_ns, times.st_mtime_ns + later * 10**9))
 
-    assert is_red()
-    before = path.stat()
-    save((0, 1, 0))
-    os.utime(path, ns=(before.st_atime_ns, before.st_mtime_ns))
-    assert is_red()
-    os.utime(path, ns=(before.st_atime_ns, before.st_mtime_ns + 10**9))
-    assert not is_red()
-    save((1, 0, 0))
-    os.utime(path, ns=(before.st_atime_ns, before.st_mtime_ns + 10**9))
-    assert not is_red()
+    # after each frame
+    changes = [lambda: save_behind_its_back((0, 1, 0)), lambda: save_behind_its_back((0, 1, 0), later=1),
+               lambda: save_behind_its_back((1, 0, 0), later=1), lambda: None]  # fmt: skip
+
+    def change(*_):
+        changes.pop(0)()
+
+    lit_scene.frame_end = len(changes)
+    bpy.app.handlers.render_post.append(change)
+    try:
+        frames = render_animation(lit_scene, tmp_path)
+    finally:
+        bpy.app.handlers.render_post.remove(change)
+    colours = [frame["Combined"][..., :3].mean(axis=(0, 1)) for frame in frames.values()]
+    assert all(colour.max() > 0.05 and sorted(colour)[1] < 1e-3 for colour in colours)
+    assert [int(colour.argmax()) for colour in colours] == [0, 0, 1, 1]
     lit_scene.render.use_persistent_data = False
-    assert is_red()
+    assert render_pixels(lit_scene)["Combined"][..., :3].mean(axis=(0, 1)).argmax() == 0
