@@ -30,6 +30,7 @@ def work(context: str, picture: Path):
     yield 1.0
     area = bpy.context.window.screen.areas[0]
     area.type = "PROPERTIES"
+    yield 1.0  # its pages are known once it was drawn
     area.spaces.active.context = context
     yield SETTLE_SECONDS
     bpy.ops.screen.screenshot(filepath=str(picture))
