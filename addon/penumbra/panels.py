@@ -219,8 +219,9 @@ def blender_panels():
     """Blender's panels that should be shown for this engine, too."""
     for panel in bpy.types.Panel.__subclasses__():
         engines = getattr(panel, "COMPAT_ENGINES", ())
+        name = panel.__name__.removeprefix("NODE_")  # the node editor's twin, with the very same set of engines
         named = panel.__name__ in BLENDER_PANELS
-        if named or ("BLENDER_RENDER" in engines and panel.__name__ not in NOT_FOR_US):
+        if named or ("BLENDER_RENDER" in engines and name not in NOT_FOR_US):
             yield panel
 
 
