@@ -36,7 +36,9 @@ struct BoundedItem {
   Vec3d unshadowed() const { return diffuse + phong; }
 
   /// Ratio estimate of the shadowed radiance.
-  Vec3d radiance() const { return diffuse * ratio(sums.fv, sums.f) + phong * ratio(sums.pv, sums.p); }
+  Vec3d radiance() const { return diffuse_radiance() + glossy_radiance(); }
+  Vec3d diffuse_radiance() const { return diffuse * ratio(sums.fv, sums.f); }
+  Vec3d glossy_radiance() const { return phong * ratio(sums.pv, sums.p); }
   double display(const VisibilitySums& s) const {
     return diffuse_size * ratio(s.fv, s.f) + phong_size * ratio(s.pv, s.p);
   }

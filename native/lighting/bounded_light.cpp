@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "lighting/bounded_refine.h"
+#include "lighting/light_parts.h"
 #include "lighting/spread.h"
 
 namespace penumbra {
@@ -24,13 +25,14 @@ class BlockLight {
  public:
   BlockLight(const Block& block, const Geometry& geometry, std::span<const Luminaire> luminaires,
              const Sampler& sampler, const BoundedSettings& settings, const std::vector<LitPoint>& points,
-             std::vector<PixelLight>& out, LightTally& tally)
+             std::vector<PixelLight>& out, LightTally& tally, LightParts* parts)
       : block_(block),
         luminaires_(luminaires),
         settings_(settings),
         points_(points),
         out_(out),
         tally_(tally),
+        parts_(parts),
         item_sampler_(geometry, luminaires, sampler, points, settings),
         certain_error_(block.pixels(), 0.0) {}
 
@@ -42,6 +44,8 @@ class BlockLight {
     flood();
     settle_certain_items();
     refine_tiles();
+    if (parts_)
+      for (const BoundedItem& item : items_) add_parts(item);
     if (tally_.trace)
       for (const BoundedItem& item : items_) tally_.trace->add(pixel(item), decision(item));
   }
@@ -76,6 +80,7 @@ class BlockLight {
   void flood();
   void settle_certain_items();
   void refine_tiles();
+  void add_parts(const BoundedItem& item);
 
   const Block& block_;
   std::span<const Luminaire> luminaires_;
@@ -83,6 +88,7 @@ class BlockLight {
   const std::vector<LitPoint>& points_;
   std::vector<PixelLight>& out_;
   LightTally& tally_;
+  LightParts* parts_;
   ItemSampler item_sampler_;
   std::vector<BoundedItem> items_;     // by slot, then pixel
   std::vector<double> certain_error_;  // of each pixel's certain items, display units
@@ -128,6 +134,11 @@ void BlockLight::drop_dim_items() {
       dropped[i] = true;
       tally_.decided_without_ray += in_core(p, 0);
       out_[p].radiance += items_[i].unshadowed() * 0.5;
+      if (parts_) {  // nothing is known of its shadow
+        const Vec3d diffuse = items_[i].diffuse * 0.5, glossy = items_[i].phong * 0.5;
+        add_light(parts_->of(p), luminaires_[items_[i].luminaire], points_[items_[i].point],
+                  {diffuse, diffuse}, {glossy, glossy});
+      }
       out_[p].error = charge;
     }
   }
@@ -219,6 +230,15 @@ void BlockLight::refine_tiles() {
   }
 }
 
+/// An item's light, told apart.
+void BlockLight::add_parts(const BoundedItem& item) {
+  const double seen = item.first_lit ? 1 : 0;
+  const Vec3d diffuse = item.uncertain ? item.diffuse_radiance() : item.diffuse * seen,
+              glossy = item.uncertain ? item.glossy_radiance() : item.phong * seen;
+  add_light(parts_->of(pixel(item)), luminaires_[item.luminaire], points_[item.point],
+            {diffuse, item.diffuse}, {glossy, item.phong});
+}
+
 }  // namespace
 
 uint32_t BoundedLight::halo() const {
@@ -226,9 +246,9 @@ uint32_t BoundedLight::halo() const {
 }
 
 void BoundedLight::light(const Block& block, std::span<const Luminaire> luminaires,
-                         const std::vector<LitPoint>& points, std::vector<PixelLight>& out,
-                         LightTally& tally) const {
-  BlockLight(block, geometry_, luminaires, sampler_, settings_, points, out, tally).run();
+                         const std::vector<LitPoint>& points, std::vector<PixelLight>& out, LightTally& tally,
+                         LightParts* parts) const {
+  BlockLight(block, geometry_, luminaires, sampler_, settings_, points, out, tally, parts).run();
 }
 
 }  // namespace penumbra

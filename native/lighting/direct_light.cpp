@@ -12,17 +12,21 @@ namespace penumbra {
 /// Error: twice the standard error of independent points, the largest of r, g, b; for points more even than
 /// independent ones the true error is smaller.
 void DirectLight::light(const Block& block, std::span<const Luminaire> luminaires,
-                        const std::vector<LitPoint>& points, std::vector<PixelLight>& out,
-                        LightTally& tally) const {
+                        const std::vector<LitPoint>& points, std::vector<PixelLight>& out, LightTally& tally,
+                        LightParts* parts) const {
   std::vector<Vec3d> variance(block.pixels());
   for (const LitPoint& lit : points) {
     const ShadingPoint point(lit.surface, *lit.material, lit.ray_direction);
     PixelLight& pixel = out[lit.pixel];
     for (size_t i = 0; i < luminaires.size(); ++i) {
       const uint64_t index = lit.stream * luminaires.size() + i;
-      const Estimate one = from(luminaires[i], point, {index, hash_of(index)}, tally);
+      const Estimate one = from(luminaires[i], point, {index, hash_of(index)}, tally, parts);
       pixel.radiance += lit.throughput * one.radiance;
       pixel.points += one.points;
+      if (parts)
+        add_light(parts->of(lit.pixel), luminaires[i], lit,
+                  {lit.throughput * one.diffuse.seen, lit.throughput * one.diffuse.unshadowed},
+                  {lit.throughput * one.glossy.seen, lit.throughput * one.glossy.unshadowed});
       pixel.at_limit = pixel.at_limit || one.at_limit;
       variance[lit.pixel] += lit.throughput * lit.throughput * one.variance;
       if (tally.trace)
@@ -38,7 +42,7 @@ void DirectLight::light(const Block& block, std::span<const Luminaire> luminaire
 }
 
 DirectLight::Estimate DirectLight::from(const Luminaire& luminaire, const ShadingPoint& point,
-                                        const StreamKey& key, LightTally& tally) const {
+                                        const StreamKey& key, LightTally& tally, bool apart) const {
   if (!point.material.reflects() || luminaire.unseen_from(point.surface)) {
     ++tally.decided_without_ray;
     return {};
@@ -49,7 +53,9 @@ DirectLight::Estimate DirectLight::from(const Luminaire& luminaire, const Shadin
   const ShadowRays rays(geometry_, point.surface, luminaire.role().shadow_rays);
   StopRule rule(stop_, diffuse, glossy);
   Moments moments;
-  alignas(64) float u[kBatch], v[kBatch], specular[kPacket];
+  double all_diffuse = 0, all_glossy = 0;  // sums without shadows, if parts are wanted
+  alignas(64) float u[kBatch], v[kBatch], specular[kPacket], unshadowed[kPacket],
+      unshadowed_specular[kPacket];
   LightPoints points;
   // The growing rules decide after few points: a packet at a time wastes least.
   const uint32_t step = stop_.kind == StopRuleKind::kFixed ? kBatch : kPacket;
@@ -70,6 +76,11 @@ DirectLight::Estimate DirectLight::from(const Luminaire& luminaire, const Shadin
       const float *x = points.x + packet, *y = points.y + packet, *z = points.z + packet;
       std::fill(f + size, f + kPacket, 0.0f);  // generated, but not asked for
       alignas(64) int ray_of[kPacket] = {};
+      if (apart) {
+        std::copy(f, f + kPacket, unshadowed);
+        if (point.has_glossy) evaluate_glossy(point, x, y, z, unshadowed, size, unshadowed_specular);
+        weigh_diffuse(point, x, y, z, size, unshadowed);
+      }
       if (luminaire.casts_shadow()) traced += rays.hide(x, y, z, f, ray_of);
       if (point.has_glossy) evaluate_glossy(point, x, y, z, f, size, specular);
       weigh_diffuse(point, x, y, z, size, f);
@@ -84,14 +95,23 @@ DirectLight::Estimate DirectLight::from(const Luminaire& luminaire, const Shadin
         done = rule.enough(moments);
         until_check = rule.next_check(uint32_t(moments.count));
       }
+      for (uint32_t i = 0; apart && i < added; ++i) {
+        all_diffuse += double(unshadowed[i]);
+        if (point.has_glossy) all_glossy += double(unshadowed_specular[i]);
+      }
       for (uint32_t i = added; i < size; ++i) tally.shadow_rays_beyond_stop += uint64_t(-ray_of[i]);
     }
   }
   tally.light_points += uint64_t(moments.count);
   tally.shadow_rays += traced;
   if (traced == 0) ++tally.decided_without_ray;
-  return {moments.mean(diffuse, glossy), moments.variance_of_mean(diffuse, glossy), uint64_t(moments.count),
-          !done && !luminaire.is_point()};
+  Estimate result{moments.mean(diffuse, glossy), moments.variance_of_mean(diffuse, glossy),
+                  uint64_t(moments.count), !done && !luminaire.is_point()};
+  if (apart) {
+    result.diffuse = {moments.mean(diffuse, {}), diffuse * (all_diffuse / moments.count)};
+    result.glossy = {moments.mean({}, glossy), glossy * (all_glossy / moments.count)};
+  }
+  return result;
 }
 
 }  // namespace penumbra

@@ -2,7 +2,7 @@
 // FIXED, PAPER and VARIANCE: the paper's eq. (4) point by point, without regard to neighbours.
 #pragma once
 
-#include "lighting/lighting.h"
+#include "lighting/light_parts.h"
 #include "lighting/stop_rule.h"
 
 namespace penumbra {
@@ -17,7 +17,7 @@ class DirectLight final : public Lighting {
   uint32_t block_side() const override { return kTile; }
   uint32_t halo() const override { return 0; }
   void light(const Block& block, std::span<const Luminaire> luminaires, const std::vector<LitPoint>& points,
-             std::vector<PixelLight>& out, LightTally& tally) const override;
+             std::vector<PixelLight>& out, LightTally& tally, LightParts* parts) const override;
 
  private:
   /// Reflected radiance towards the viewer and the sample variance of its estimate, r, g, b.
@@ -25,9 +25,10 @@ class DirectLight final : public Lighting {
     Vec3d radiance, variance;
     uint64_t points = 0;
     bool at_limit = false;
+    LobeLight diffuse = {}, glossy = {};  // its parts, if they are wanted
   };
   Estimate from(const Luminaire& luminaire, const ShadingPoint& point, const StreamKey& key,
-                LightTally& tally) const;
+                LightTally& tally, bool apart) const;
 
   const Geometry& geometry_;
   const Sampler& sampler_;

@@ -16,6 +16,8 @@
 
 namespace penumbra {
 
+class LightParts;
+
 /// Side of a tile in pixels. Where neighbours matter, blocks are made of whole tiles of the full frame, so
 /// that a pixel does not depend on where a border cuts.
 inline constexpr uint32_t kTile = 8;
@@ -29,6 +31,7 @@ struct LitPoint {
   uint64_t stream;                            // its number among the frame's surface points
   uint32_t pixel;                             // x + y * width in the block
   uint32_t bounce;                            // points of the path before it
+  bool mirrored;                              // seen in mirrors
   std::shared_ptr<const Closures> evaluated;  // where `material` varies over the surface; else null
 };
 
@@ -86,10 +89,10 @@ class Lighting {
   virtual uint32_t halo() const = 0;
 
   /// Direct light of all points from some luminaires, added up for each pixel of the block; `out` has
-  /// block.pixels() elements.
+  /// block.pixels() elements. `parts`: where it is told apart, too; null: nowhere.
   virtual void light(const Block& block, std::span<const Luminaire> luminaires,
-                     const std::vector<LitPoint>& points, std::vector<PixelLight>& out,
-                     LightTally& tally) const = 0;
+                     const std::vector<LitPoint>& points, std::vector<PixelLight>& out, LightTally& tally,
+                     LightParts* parts) const = 0;
 };
 
 }  // namespace penumbra

@@ -35,13 +35,15 @@ double sine_of(double cosine) {
   return std::sqrt(std::max(1 - cosine * cosine, 0.0));
 }
 
-/// What the luminaires of a group have in common: shadows, what they light, and the sign of their light.
-using Kind = std::tuple<bool, bool, bool, RayMask, std::vector<bool>, bool>;
+/// What the luminaires of a group have in common: shadows, what they light, the sign of their light, and the
+/// pass that shows it.
+using Kind = std::tuple<bool, bool, bool, RayMask, std::vector<bool>, bool, uint32_t>;
 
 Kind kind_of(const Luminaire& luminaire) {
   const LuminaireRole& role = luminaire.role();
   return {luminaire.casts_shadow(), role.diffuse,   role.glossy,
-          role.shadow_rays,         role.receivers, max_component(luminaire.radiance()) > 0};
+          role.shadow_rays,         role.receivers, max_component(luminaire.radiance()) > 0,
+          luminaire.light_group()};
 }
 
 }  // namespace
@@ -196,7 +198,7 @@ void LightTree::append(uint32_t i, std::vector<Luminaire>& out) const {
   const std::string name = one.name() + (alone ? " (a part)" : " and others");
   const auto group = [&](LightChannel channel, const Vec3d& radiance) {
     out.emplace_back(name, std::make_shared<LightGroup>(*this, i, channel), radiance * sign,
-                     one.casts_shadow(), one.role());
+                     one.casts_shadow(), one.role(), one.light_group());
   };
   if (n.one_colour) {
     group(LightChannel::kLargest, absolute(one.radiance()) / max_abs(one.radiance()));

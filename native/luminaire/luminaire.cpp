@@ -38,7 +38,9 @@ Parts make_parts(const MeshLuminaire& d, const Normalization& n) {
 
 }  // namespace
 
-Luminaire::Luminaire(const LuminaireDescription& description, const Normalization& normalization) {
+Luminaire::Luminaire(const LuminaireDescription& description, const Normalization& normalization,
+                     uint32_t light_group)
+    : light_group_(light_group) {
   const auto parts = std::visit([&](const auto& d) { return make_parts(d, normalization); }, description);
   name_ = std::visit([](const auto& d) { return d.name; }, description);
   emitter_ = parts.emitter;

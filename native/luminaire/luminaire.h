@@ -7,20 +7,23 @@
 #include "luminaire/emitter.h"
 #include "scene/luminaires.h"
 #include "scene/normalization.h"
+#include "scene/object_traits.h"
 
 namespace penumbra {
 
 /// In render space, of any kind; lighting need not know which.
 class Luminaire {
  public:
-  Luminaire(const LuminaireDescription& description, const Normalization& normalization);
+  Luminaire(const LuminaireDescription& description, const Normalization& normalization,
+            uint32_t light_group = kNoLightGroup);
   Luminaire(std::string name, std::shared_ptr<const Emitter> emitter, const Vec3d& radiance, bool cast_shadow,
-            LuminaireRole role = {})
+            LuminaireRole role = {}, uint32_t light_group = kNoLightGroup)
       : name_(std::move(name)),
         emitter_(std::move(emitter)),
         radiance_(radiance),
         cast_shadow_(cast_shadow),
-        role_(std::move(role)) {}
+        role_(std::move(role)),
+        light_group_(light_group) {}
 
   /// The luminaire emits nothing: no power or no area; or nothing reflects it.
   bool dark() const {
@@ -52,6 +55,8 @@ class Luminaire {
   const std::string& name() const { return name_; }
   bool casts_shadow() const { return cast_shadow_; }
   const LuminaireRole& role() const { return role_; }
+  /// Its number; kNoLightGroup: none.
+  uint32_t light_group() const { return light_group_; }
 
  private:
   /// Does it light the instances of a receiver set?
@@ -65,6 +70,7 @@ class Luminaire {
   Vec3d radiance_;
   bool cast_shadow_;
   LuminaireRole role_;
+  uint32_t light_group_;
 };
 
 }  // namespace penumbra

@@ -53,7 +53,8 @@ std::vector<Luminaire> sky_luminaires(const Background& background) {
   std::vector<Luminaire> result;
   if (!background.lights) return result;
   if (!background.environment) {
-    result.emplace_back("world", std::make_shared<ConstantSky>(), background.color, true);
+    result.emplace_back("world", std::make_shared<ConstantSky>(), background.color, true, LuminaireRole{},
+                        background.light_group);
     return result;
   }
   const Environment sky = reduced(*background.environment);
@@ -61,7 +62,8 @@ std::vector<Luminaire> sky_luminaires(const Background& background) {
   const auto add = [&](int index, const Vec3d& color) {
     const auto emitter =
         std::make_shared<PictureSky>(channel(sky, index), sky.width, sky.height, sky.local_from_world);
-    result.emplace_back("world", emitter, color * emitter->mean(), true);
+    result.emplace_back("world", emitter, color * emitter->mean(), true, LuminaireRole{},
+                        background.light_group);
   };
   if (has_one_hue(sky)) {
     Vec3d hue;

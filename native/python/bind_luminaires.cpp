@@ -55,8 +55,9 @@ void add_point_light(PythonScene& self, const std::string& name, const py::array
 
 void set_background(PythonScene& self, const Color& color, bool transparent, bool lights, bool seen_by_camera,
                     const std::optional<py::array>& image, const std::optional<py::array>& local_from_world,
-                    bool smooth) {
-  Background background{vec(color), transparent, {}, lights, seen_by_camera};
+                    bool smooth, const std::optional<uint32_t>& light_group) {
+  Background background{vec(color), transparent,    {},
+                        lights,     seen_by_camera, light_group.value_or(kNoLightGroup)};
   if (image) {
     const auto sky = std::make_shared<Environment>();
     sky->pixels = read_colors(*image, "background", "image");
@@ -94,8 +95,10 @@ receiver set of add_instance, whether it lights those instances; empty: all.)")
       .def_readonly("receivers", &LuminaireRole::receivers)
       .def("__repr__", [](const LuminaireRole& r) {
         std::string text = "LuminaireRole(";
-        for (const auto& [name, value] : {std::pair{"to_camera", r.to_camera}, {"in_mirrors", r.in_mirrors},
-                                          {"diffuse", r.diffuse}, {"glossy", r.glossy}})
+        for (const auto& [name, value] : {std::pair{"to_camera", r.to_camera},
+                                          {"in_mirrors", r.in_mirrors},
+                                          {"diffuse", r.diffuse},
+                                          {"glossy", r.glossy}})
           text += std::string(name) + "=" + (value ? "True, " : "False, ");
         return text + "shadow_rays=" + std::to_string(r.shadow_rays) + ")";
       });
@@ -110,7 +113,8 @@ receiver set of add_instance, whether it lights those instances; empty: all.)")
         if (set >= kMostBlockerSets) throw py::value_error("there are no more than 29 sets of blockers");
         return blocker_set_ray(set);
       },
-      py::arg("set"), "The kind of shadow rays that set number `set`, 0 ... MOST_BLOCKER_SETS - 1, of instances blocks.");
+      py::arg("set"),
+      "The kind of shadow rays that set number `set`, 0 ... MOST_BLOCKER_SETS - 1, of instances blocks.");
   scene
       .def("add_area_light", &add_area_light, py::arg("name"), py::arg("shape"), py::arg("world_from_light"),
            py::arg("size"), py::arg("radiance"), py::arg("cast_shadow") = true,
@@ -146,8 +150,12 @@ surface that faces it.)")
           [](PythonScene& self, const std::string& name, const py::array& positions,
              const py::array& triangles, const py::array& world_from_object, const Color& radiance,
              bool cast_shadow, const LuminaireRole& role) {
-            MeshLuminaire light{name,          read_positions(positions, name), read_triangles(triangles, name),
-                                vec(radiance), cast_shadow,                     role};
+            MeshLuminaire light{name,
+                                read_positions(positions, name),
+                                read_triangles(triangles, name),
+                                vec(radiance),
+                                cast_shadow,
+                                role};
             const Affine t = read_transform(world_from_object, name, "world_from_object");
             for (Vec3d& p : light.positions) p = t.point(p);
             self.scene->add_luminaire(std::move(light));
@@ -168,11 +176,12 @@ Arguments as of add_mesh and add_instance. radiance: (r, g, b), W/(sr m^2).)")
       .def("set_background", &set_background, py::arg("color"), py::arg("transparent") = false,
            py::arg("lights") = false, py::arg("seen_by_camera") = true, py::arg("image") = py::none(),
            py::arg("local_from_world") = py::none(), py::arg("smooth") = true,
+           py::arg("light_group") = py::none(),
            R"(What is seen where nothing is hit; transparent: alpha 0 there for the camera.
 
 color: radiance (r, g, b), or what an image is multiplied with. lights: it lights the scene. image: (height, width, 3)
 float32, equirectangular, rows from straight down up, columns from azimuth pi down to -pi. local_from_world: (4, 4)
-float64, its rotation. smooth: interpolated between pixels' centres.)");
+float64, its rotation. smooth: interpolated between pixels' centres. light_group: number, None: of none.)");
 }
 
 }  // namespace penumbra::python

@@ -47,6 +47,7 @@ RenderSettings read_settings(const py::dict& given) {
                                               "exposure",
                                               "threads",
                                               "passes",
+                                              "mist",
                                               "memory_limit",
                                               "checkpoint"};
   for (const auto& item : given) {
@@ -78,6 +79,8 @@ RenderSettings read_settings(const py::dict& given) {
   s.error_tolerance = setting(given, "error_tolerance", s.error_tolerance);
   s.exposure = setting(given, "exposure", s.exposure);
   s.threads = setting(given, "threads", s.threads);
+  const auto mist = setting(given, "mist", std::array{s.mist.start, s.mist.depth, s.mist.exponent});
+  s.mist = {mist[0], mist[1], mist[2]};
   s.memory_limit = setting(given, "memory_limit", s.memory_limit);
   s.checkpoint = setting(given, "checkpoint", s.checkpoint);
   s.build = std::string(kVersion) + " (" + PENUMBRA_BUILD + ", " + vector_isa() + ")";

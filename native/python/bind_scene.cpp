@@ -103,6 +103,38 @@ void set_camera(PythonScene& self, const std::string& kind, const py::array& wor
   self.scene->set_camera(camera);
 }
 
+/// "None" means no light group.
+void set_traits(PythonScene& self, float pass_index, float object_matte, float asset_matte,
+                const std::optional<uint32_t>& light_group, bool holdout) {
+  self.scene->set_traits(
+      {pass_index, object_matte, asset_matte, light_group.value_or(kNoLightGroup), holdout});
+}
+
+void bind_passes(py::class_<PythonScene>& scene) {
+  scene
+      .def(
+          "add_light_group",
+          [](PythonScene& self, const std::string& name) { return self.scene->add_light_group(name); },
+          py::arg("name"), "Adds a group of lights, which the pass Combined_NAME shows; returns its number.")
+      .def("set_traits", &set_traits, py::arg("pass_index") = 0.0f, py::arg("object_matte") = 0.0f,
+           py::arg("asset_matte") = 0.0f, py::arg("light_group") = py::none(), py::arg("holdout") = false,
+           R"(What the instances and luminaires that are added from now on are to passes and to the film.
+
+pass_index: of the pass Object Index. object_matte, asset_matte: Cryptomatte's ids. light_group: number of the group
+that their light belongs to, None: of none. holdout: the camera sees a hole in the film in their place.)")
+      .def(
+          "set_material_ids",
+          [](PythonScene& self, uint32_t material, float pass_index, float matte) {
+            self.scene->set_material_ids(material, pass_index, matte);
+          },
+          py::arg("material"), py::arg("pass_index"), py::arg("matte"),
+          "What the pass Material Index shows of a material, and Cryptomatte's id of it.")
+      .def(
+          "set_uv_attribute",
+          [](PythonScene& self, uint32_t number) { self.scene->set_uv_attribute(number); }, py::arg("number"),
+          "Number of the meshes' attribute that the pass UV shows.");
+}
+
 }  // namespace
 
 void PythonScene::build(uint64_t memory_limit) {
@@ -190,6 +222,7 @@ three blades, its height `ratio` times its width. One ray a pixel goes through i
             return !self.scene->luminaires().empty() || (background.lights && max_abs(background.color) > 0);
           },
           "Whether there is any luminaire, or a background that lights.");
+  bind_passes(scene);
 }
 
 }  // namespace penumbra::python

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace penumbra {
 namespace {
@@ -24,6 +25,9 @@ class BlockRenderer {
         area_(with_halo(core, context.lighting.halo(), context.settings)),
         block_(block_of(core, area_, context.settings)) {
     pixels_.resize(block_.pixels());
+    if (c_.extras.want_parts()) parts_.emplace(block_.pixels(), c_.extras.light_groups());
+    if (c_.extras.want_mattes()) mattes_.resize(block_.pixels());
+    if (c_.extras.any()) seen_.resize(block_.pixels());
     if (tally.light.trace) aim(*tally.light.trace, area_);
   }
 
@@ -31,7 +35,7 @@ class BlockRenderer {
     for (uint32_t s = 0; s < c_.settings.pixel_samples; ++s) {
       trace(s);
       std::vector<PixelLight> light(block_.pixels());
-      c_.lighting.light(block_, c_.luminaires, points_, light, tally_.light);
+      c_.lighting.light(block_, c_.luminaires, points_, light, tally_.light, parts_ ? &*parts_ : nullptr);
       for (uint32_t i = 0; i < block_.pixels(); ++i) add_light(pixels_[i], light[i]);
     }
     write();
@@ -41,9 +45,11 @@ class BlockRenderer {
   Ray primary_ray(uint32_t x, uint32_t y, uint32_t s) const;
   void trace(uint32_t s);
   void follow(const Ray& ray, const Hit& hit, uint32_t pixel, uint32_t s);
+  PathRecord record_of(uint32_t pixel, bool first);
   void add_light(PixelSums& pixel, const PixelLight& light) const;
   PixelValues resolve(const PixelSums& pixel) const;
   void write();
+  bool write_extras(uint32_t pixel, uint32_t x, uint32_t y);
 
   const RenderContext& c_;
   RenderTally& tally_;
@@ -52,6 +58,10 @@ class BlockRenderer {
   std::vector<PixelSums> pixels_;
   std::vector<LitPoint> points_;   // seen by the current sample
   std::vector<Vec3d> background_;  // seen by the current sample, in mirrors too
+  // Only where passes want them, by pixel: sums over the samples, and what the first one met.
+  std::optional<LightParts> parts_;
+  std::vector<std::vector<MatteHit>> mattes_;
+  std::vector<SeenObject> seen_;
 };
 
 /// Sample s of a pixel: through its centre if it is the only one, else distributed as the pixel filter and
@@ -100,15 +110,24 @@ void BlockRenderer::trace(uint32_t s) {
 void BlockRenderer::follow(const Ray& ray, const Hit& hit, uint32_t pixel, uint32_t s) {
   const uint64_t frame_pixel =
       uint64_t(area_.y + pixel / block_.width) * c_.settings.width + area_.x + pixel % block_.width;
+  const PathRecord record = record_of(pixel, s == 0);
   PathEnd end;
   c_.paths.follow(ray, hit, pixel, frame_pixel * c_.settings.pixel_samples + s, points_, tally_.mirror_rays,
-                  end);
+                  end, c_.extras.any() ? &record : nullptr);
   PixelSums& sums = pixels_[pixel];
   background_[pixel] = end.background;
   sums.values.alpha += end.alpha;
   if (s > 0) return;  // data passes are not filtered
   sums.object = end.object;
   set_data_passes(sums.values, end, c_.geometry.normalization());
+}
+
+PathRecord BlockRenderer::record_of(uint32_t pixel, bool first) {
+  PathRecord record{.mist = &c_.settings.mist};
+  if (parts_) record.parts = parts_->of(pixel);
+  if (!mattes_.empty()) record.mattes = &mattes_[pixel];
+  if (first && !seen_.empty()) record.seen = &seen_[pixel];
+  return record;
 }
 
 void BlockRenderer::add_light(PixelSums& pixel, const PixelLight& light) const {
@@ -135,6 +154,17 @@ PixelValues BlockRenderer::resolve(const PixelSums& pixel) const {
   return values;
 }
 
+bool BlockRenderer::write_extras(uint32_t pixel, uint32_t x, uint32_t y) {
+  const double n = c_.settings.pixel_samples;
+  PixelParts extra{.parts = {}, .mattes = {}, .samples = n};
+  if (parts_) {
+    for (Vec3d& part : parts_->of(pixel)) part = part / n;
+    extra.parts = parts_->of(pixel);
+  }
+  if (!mattes_.empty()) extra.mattes = mattes_[pixel];
+  return c_.extras.write(x, y, seen_[pixel], extra);
+}
+
 void BlockRenderer::write() {
   const Rectangle& region = c_.film.region();
   for (uint32_t i = 0; i < block_.pixels(); ++i) {
@@ -142,7 +172,9 @@ void BlockRenderer::write() {
     const bool in_core = bx - block_.core_x < block_.core_width && by - block_.core_y < block_.core_height;
     if (!in_core || x - region.x >= region.width || y - region.y >= region.height) continue;
     tally_.pixels_at_limit += pixels_[i].at_limit;
-    if (c_.film.write(x, y, resolve(pixels_[i])) && tally_.non_finite_pixels++ == 0)
+    const bool broken = c_.film.write(x, y, resolve(pixels_[i])),
+               extra_broken = c_.extras.any() && write_extras(i, x, y);
+    if ((broken || extra_broken) && tally_.non_finite_pixels++ == 0)
       tally_.first_non_finite = pixel_name(x, y, pixels_[i].object);
   }
 }

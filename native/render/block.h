@@ -6,6 +6,7 @@
 #include <string>
 
 #include "lighting/lighting.h"
+#include "render/extra_passes.h"
 #include "render/film.h"
 #include "render/paths.h"
 #include "render/pixel_rays.h"
@@ -27,6 +28,7 @@ struct RenderContext {
   const PixelLightSampler& pixel_light_sampler;
   const PixelRays& pixel_rays;
   Film& film;
+  const ExtraPasses& extras;
 };
 
 struct RenderTally {

@@ -85,6 +85,15 @@ bool CentreLight::mixed(uint32_t p, uint32_t slot) const {
   return i != kNone && items_[i].lit > 0 && items_[i].lit < items_[i].facing;
 }
 
+void CentreLight::add_parts(uint32_t p, std::span<Vec3d> parts) const {
+  for (uint32_t pair = 0; pair < pairs_; ++pair) {
+    if (item_of(p, pair) == kNone) continue;
+    const BoundedItem& item = items_[item_of(p, pair)];
+    add_light(parts, c_.luminaires[item.luminaire], points_[item.point],
+              {item.diffuse_radiance(), item.diffuse}, {item.glossy_radiance(), item.phong});
+  }
+}
+
 void CentreLight::tell(PixelTrace& trace) const {
   for (uint32_t pair = 0; pair < pairs_; ++pair) {
     if (item_of(trace.pixel, pair) == kNone) continue;

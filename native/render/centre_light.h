@@ -27,6 +27,9 @@ class CentreLight {
 
   const PixelLight& light(uint32_t pixel) const { return light_[pixel]; }
 
+  /// Adds the light of a pixel's uncertain luminaires, told apart.
+  void add_parts(uint32_t pixel, std::span<Vec3d> parts) const;
+
   /// What was decided about a smooth pixel's luminaires, for --debug-pixel.
   void tell(PixelTrace& trace) const;
 

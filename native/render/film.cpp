@@ -2,17 +2,35 @@
 #include "render/film.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <stdexcept>
 
 namespace penumbra {
 
+namespace {
+
+/// Cryptomatte's: a kind and two digits.
+bool is_matte(const std::string& name) {
+  if (name.size() < 2) return false;
+  const std::string kind = name.substr(0, name.size() - 2);
+  return (kind == "CryptoObject" || kind == "CryptoMaterial" || kind == "CryptoAsset") &&
+         std::isdigit(name[name.size() - 2]) && std::isdigit(name[name.size() - 1]);
+}
+
+}  // namespace
+
 uint32_t pass_channels(const std::string& name) {
-  static const std::map<std::string, uint32_t> channels{{"Combined", 4},      {"Depth", 1},
-                                                        {"Normal", 3},        {"Position", 3},
-                                                        {"Light Samples", 1}, {"Error Estimate", 1}};
+  static const std::map<std::string, uint32_t> channels{
+      {"Combined", 4},      {"Depth", 1},           {"Normal", 3},         {"Position", 3},
+      {"Light Samples", 1}, {"Error Estimate", 1},  {"Diffuse Direct", 3}, {"Diffuse Color", 3},
+      {"Glossy Direct", 3}, {"Glossy Indirect", 3}, {"Glossy Color", 3},   {"Emission", 3},
+      {"Environment", 3},   {"Shadow", 3},          {"Mist", 1},           {"UV", 3},
+      {"Object Index", 1},  {"Material Index", 1}};
   const auto found = channels.find(name);
-  return found == channels.end() ? 0 : found->second;
+  if (found != channels.end()) return found->second;
+  if (name.size() > kLightGroupPrefix.size() && name.starts_with(kLightGroupPrefix)) return 3;
+  return is_matte(name) ? 4 : 0;
 }
 
 Film::Film(const Rectangle& region, const std::vector<std::string>& passes) : region_(region) {

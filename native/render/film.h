@@ -5,11 +5,15 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "render/settings.h"
 
 namespace penumbra {
+
+/// What the names of light groups' passes begin with.
+inline constexpr std::string_view kLightGroupPrefix = "Combined_";
 
 /// Channels of a pass of that name; 0 where there is none.
 uint32_t pass_channels(const std::string& name);
@@ -43,12 +47,14 @@ class Film {
   /// Width x height x channels values. Throws std::invalid_argument for a pass that was not asked for.
   const std::vector<float>& pass(const std::string& name) const;
 
+  /// Its pixels; null where it was not asked for.
+  std::vector<float>* find(const std::string& name);
+
   /// Every pass of some pixels (full frame, inside the region) one after the other; and back again.
   std::vector<float> copy(const Rectangle& area) const;
   void paste(const Rectangle& area, const std::vector<float>& values);
 
  private:
-  std::vector<float>* find(const std::string& name);
   /// Calls visit(first float, number of floats) for each row of the area in each pass.
   template <typename Passes, typename Visit>
   void for_each_row(Passes& passes, const Rectangle& area, const Visit& visit) const;

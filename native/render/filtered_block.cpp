@@ -6,7 +6,7 @@
 
 #include "lighting/bounded_item.h"
 #include "lighting/spread.h"
-#include "render/centre_light.h"
+#include "render/filtered_parts.h"
 
 namespace penumbra {
 namespace {
@@ -68,6 +68,7 @@ class FilteredBlock {
   FilteredFrame frame_;
   SamplePacket packet_;
   CentreLight centres_;
+  std::unique_ptr<FilteredParts> parts_;  // only where passes want them
 };
 
 FilteredBlock::FilteredBlock(const RenderContext& context, const Rectangle& core, RenderTally& tally)
@@ -84,6 +85,7 @@ FilteredBlock::FilteredBlock(const RenderContext& context, const Rectangle& core
       packet_(context, frame_, tally),
       centres_(context, block_, frame_, pixels_, tally) {
   if (tally.light.trace) aim(*tally.light.trace, area_);
+  if (c_.extras.any()) parts_ = std::make_unique<FilteredParts>(c_, frame_, block_.pixels());
 }
 
 bool FilteredBlock::in_core(uint32_t p, int margin) const {
@@ -178,6 +180,7 @@ void FilteredBlock::add_light(std::span<const SampleRun> runs) {
     }
     pixel.count = run.first + run.count;
   }
+  if (parts_) parts_->add(packet_, runs);
 }
 
 /// The first samples' plane: unshadowed values at the pixel's centre, and how far they are from being a
@@ -380,7 +383,9 @@ void FilteredBlock::write() {
     set_data_passes(values, pixel.first, c_.geometry.normalization());
     tally_.pixels_at_limit += light.at_limit;
     tally_.light.light_points += light.points;
-    if (c_.film.write(x, y, values) && tally_.non_finite_pixels++ == 0)
+    const bool broken = c_.film.write(x, y, values),
+               extra_broken = parts_ && parts_->write(p, x, y, pixel, centres_);
+    if ((broken || extra_broken) && tally_.non_finite_pixels++ == 0)
       tally_.first_non_finite = pixel_name(x, y, pixel.first.object);
   }
 }

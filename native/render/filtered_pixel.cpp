@@ -55,12 +55,12 @@ Vec3d FilteredPixel::unshadowed(std::span<const Slot> slots) const {
   return sum / count;
 }
 
+Vec3d same_side(const Vec3d& plane, const Vec3d& samples) {
+  return {plane.x * samples.x > 0 ? plane.x : 0, plane.y * samples.y > 0 ? plane.y : 0,
+          plane.z * samples.z > 0 ? plane.z : 0};
+}
+
 Vec3d FilteredPixel::fitted(std::span<const Slot> slots) const {
-  // A plane may leave the side of zero that its samples are on; light that is taken away is below it.
-  const auto same_side = [](const Vec3d& plane, const Vec3d& samples) {
-    return Vec3d{plane.x * samples.x > 0 ? plane.x : 0, plane.y * samples.y > 0 ? plane.y : 0,
-                 plane.z * samples.z > 0 ? plane.z : 0};
-  };
   Vec3d sum = same_side(background_fitted, background);
   for (const Slot& slot : slots)
     if (!slot.uncertain) sum += same_side(slot.fitted_radiance(), slot.now.unshadowed);

@@ -78,6 +78,10 @@ struct FilteredPixel {
 void tell(PixelTrace& trace, const FilteredPixel& pixel, std::span<const Slot> slots, uint32_t luminaires,
           uint32_t lobes, bool smooth);
 
+/// A plane may leave the side of zero that its samples are on, as light that is taken away is below it: zero
+/// there, r, g, b. samples: their sum.
+Vec3d same_side(const Vec3d& plane, const Vec3d& samples);
+
 /// Do two samples see different surfaces?
 bool edge_between(const PathEnd& a, const PathEnd& b);
 

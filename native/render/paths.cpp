@@ -20,12 +20,22 @@ double average(const Vec3d& c) {
   return (c.x + c.y + c.z) / 3;
 }
 
+/// What the camera sees of a surface that is held out: nothing but what is behind it.
+std::shared_ptr<const Closures> hole_of(const Closures& closures) {
+  auto hole = std::make_shared<Closures>();
+  hole->transparency = closures.transparency;
+  hole->holdout = std::max(1 - average(closures.transparency), 0.0);
+  return hole;
+}
+
 std::vector<Luminaire> seen_luminaires(const Scene& scene, const Normalization& normalization) {
   std::vector<Luminaire> luminaires;
-  for (const LuminaireDescription& description : scene.luminaires()) {
+  for (size_t i = 0; i < scene.luminaires().size(); ++i) {
+    const LuminaireDescription& description = scene.luminaires()[i];
     const LuminaireRole& role =
         std::visit([](const auto& d) -> const LuminaireRole& { return d.role; }, description);
-    if (role.to_camera || role.in_mirrors) luminaires.emplace_back(description, normalization);
+    if (role.to_camera || role.in_mirrors)
+      luminaires.emplace_back(description, normalization, scene.light_group_of(i));
   }
   return luminaires;
 }
@@ -54,8 +64,11 @@ PathTracer::PathTracer(const Scene& scene, const Geometry& geometry, const Mater
       pixel_(std::abs(scene.camera().right - scene.camera().left) / settings.width) {}
 
 /// What a part sees that meets nothing.
-void PathTracer::leave(const Part& part, PathEnd& end) const {
+void PathTracer::leave(const Part& part, PathEnd& end, const PathRecord* record) const {
   const Background& background = scene_.background();
+  if (record && (background.seen_by_camera || !part.from_camera()))
+    record->leave(part.throughput * background.radiance(part.ray.direction), part.mirrors,
+                  background.light_group, !part.from_camera() || !background.transparent);
   if (part.from_camera() && background.transparent)
     end.alpha -= average(part.throughput);
   else if (background.seen_by_camera || !part.from_camera())
@@ -64,20 +77,24 @@ void PathTracer::leave(const Part& part, PathEnd& end) const {
 
 /// Luminaires between a part's start and its end, at t_far or at infinity. As in Cycles they hide nothing,
 /// neither what is behind them nor the film.
-void PathTracer::see_luminaires(const Part& part, double t_far, PathEnd& end) const {
+void PathTracer::see_luminaires(const Part& part, double t_far, PathEnd& end,
+                                const PathRecord* record) const {
   const SightLine line{part.ray.origin, part.ray.direction, part.ray.t_near, t_far, part.hit.found()};
   for (size_t i = 0; i < seen_.size(); ++i) {
     const LuminaireRole& role = seen_[i].role();
     if (!(part.from_camera() ? role.to_camera : role.in_mirrors)) continue;
     const double seen = seen_[i].seen_along(line);
     if (seen <= 0) continue;
-    end.background += part.throughput * seen_[i].radiance() * seen;
+    const Vec3d radiance = part.throughput * seen_[i].radiance() * seen;
+    if (record) record->shine(radiance, part.mirrors, seen_[i].light_group());
+    end.background += radiance;
     end.lights |= uint64_t{1} << i % 64;
   }
 }
 
 void PathTracer::follow(const Ray& ray, const Hit& hit, uint32_t pixel, uint64_t stream,
-                        std::vector<LitPoint>& points, uint64_t& mirror_rays, PathEnd& end) const {
+                        std::vector<LitPoint>& points, uint64_t& mirror_rays, PathEnd& end,
+                        const PathRecord* record) const {
   end = PathEnd{};
   end.alpha = 1;
   const bool perspective = scene_.camera().kind == CameraKind::kPerspective;
@@ -91,41 +108,51 @@ void PathTracer::follow(const Ray& ray, const Hit& hit, uint32_t pixel, uint64_t
                                                  : INFINITY;
     bool goes_on = false;
     if (!part.hit.found()) {
-      see_luminaires(part, part.ray.t_far, end);
-      leave(part, end);
+      see_luminaires(part, part.ray.t_far, end, record);
+      leave(part, end, record);
     } else {
       const size_t number = points.size();
       LitPoint& point = points.emplace_back();
       SurfacePoint& surface = point.surface;
       geometry_.surface_point(part.ray, part.hit, surface);
+      const ObjectTraits& traits = geometry_.traits_of(part.hit.instance);
       const Material& material = scene_.materials()[surface.material];
       const double t = surface.t;
-      see_luminaires(part, t, end);
+      see_luminaires(part, t, end, record);
       const double footprint =
           part.footprint + (perspective ? t * pixel_ * (part.from_camera() ? scale : 1.0) : 0.0);
       if (material.program)
         point.evaluated = std::make_shared<const Closures>(materials_.evaluate(
             *material.program, surface,
             {part.ray.direction, part.from_camera() ? RayKind::kCamera : RayKind::kMirror, footprint}));
+      const bool is_hole = traits.holdout && part.from_camera();
+      if (is_hole) point.evaluated = hole_of(point.evaluated ? *point.evaluated : material);
       const std::shared_ptr<const Closures> evaluated = point.evaluated;  // outlives the point
       const Closures& closures = evaluated ? *evaluated : material;
       const double through = average(closures.transparency);
-      if (!end.hit && part.from_camera() && 1 - through > kSeenOpacity) {
+      if (is_hole && !end.object) end.object = &geometry_.name_of(part.hit);
+      if (!is_hole && !end.hit && part.from_camera() && 1 - through > kSeenOpacity) {
         end.hit = true;
         end.object = &geometry_.name_of(part.hit);
         end.first = {surface.position, surface.geometric_normal, surface.normal, part.t + t};
+        if (record && record->seen) *record->seen = {part.hit.instance, surface.material, surface.place};
       }
+      if (record)
+        record->meet({surface, closures, part.throughput, part.mirrors, part.hit.instance, traits.light_group,
+                      std::abs(dot(normalize(part.ray.direction), surface.normal)),
+                      (part.t + t) * penumbra::length(part.ray.direction) / scale});
       end.background += part.throughput * closures.emission;
       if (part.from_camera()) end.alpha -= average(part.throughput) * closures.holdout;
       const Vec3d position = surface.position, outward = surface.geometric_normal * surface.rounding,
                   normal = surface.normal;
-      if (lit < length_ && (closures.reflects() || through == 0)) {
+      if (lit < length_ && !is_hole && (closures.reflects() || through == 0)) {
         point.ray_direction = part.ray.direction;
         point.material = &closures;
         point.throughput = part.throughput;
         point.stream = stream * length() + lit;
         point.pixel = pixel;
         point.bounce = lit;
+        point.mirrored = !part.from_camera();
         ++lit;
       } else {
         points.resize(number);

@@ -6,6 +6,7 @@
 
 #include "lighting/lighting.h"
 #include "material/evaluate.h"
+#include "render/path_record.h"
 #include "render/settings.h"
 
 namespace penumbra {
@@ -34,14 +35,14 @@ class PathTracer {
   uint32_t length() const { return length_; }
 
   /// Appends the path's surface points. stream: number of the path among the frame's; pixel: in the block.
-  /// mirror_rays is increased by the rays traced.
+  /// mirror_rays is increased by the rays traced. record: what passes want to know; null: nothing.
   void follow(const Ray& ray, const Hit& hit, uint32_t pixel, uint64_t stream, std::vector<LitPoint>& points,
-              uint64_t& mirror_rays, PathEnd& end) const;
+              uint64_t& mirror_rays, PathEnd& end, const PathRecord* record = nullptr) const;
 
  private:
   struct Part;
-  void leave(const Part& part, PathEnd& end) const;
-  void see_luminaires(const Part& part, double t_far, PathEnd& end) const;
+  void leave(const Part& part, PathEnd& end, const PathRecord* record) const;
+  void see_luminaires(const Part& part, double t_far, PathEnd& end, const PathRecord* record) const;
 
   const Scene& scene_;
   const Geometry& geometry_;

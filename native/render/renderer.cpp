@@ -56,8 +56,8 @@ std::vector<float>::iterator percentile_99(std::vector<float>& values) {
 
 std::vector<Luminaire> emitting_luminaires(const Scene& scene, const Normalization& normalization) {
   std::vector<Luminaire> luminaires;
-  for (const LuminaireDescription& description : scene.luminaires())
-    luminaires.emplace_back(description, normalization);
+  for (size_t i = 0; i < scene.luminaires().size(); ++i)
+    luminaires.emplace_back(scene.luminaires()[i], normalization, scene.light_group_of(i));
   for (Luminaire& part : sky_luminaires(scene.background())) luminaires.push_back(std::move(part));
   std::erase_if(luminaires, [](const Luminaire& luminaire) { return luminaire.dark(); });
   return luminaires;
@@ -82,6 +82,7 @@ Renderer::Renderer(std::shared_ptr<const Scene> scene, std::shared_ptr<const Geo
       materials_(std::move(materials)),
       settings_(affordable(settings)),
       film_(settings_.region, settings_.passes),
+      extras_(settings_.passes, *scene_, *geometry_, film_),
       light_sampler_(make_sampler(settings_.sampler_settings())),
       pixel_sampler_(make_sampler(pixel_sampler_settings(settings_))),
       filter_(settings_.filter_type, settings_.filter_width),
@@ -188,7 +189,7 @@ RenderContext Renderer::context() {
   return {settings_, *scene_,         *geometry_,           camera_,
           paths_,    luminaires_,     *lighting_,           *light_sampler_,
           filter_,   *pixel_sampler_, pixel_light_sampler_, pixel_rays_,
-          film_};
+          film_,     extras_};
 }
 
 void (*Renderer::block_renderer() const)(const RenderContext&, const Rectangle&, RenderTally&) {

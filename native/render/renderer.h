@@ -82,6 +82,7 @@ class Renderer {
   std::shared_ptr<const Materials> materials_;
   RenderSettings settings_;
   Film film_;
+  ExtraPasses extras_;
   std::unique_ptr<Sampler> light_sampler_, pixel_sampler_;
   PixelFilter filter_;
   CameraRays camera_;

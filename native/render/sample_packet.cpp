@@ -36,6 +36,9 @@ SamplePacket::SamplePacket(const RenderContext& context, const FilteredFrame& fr
       luminaires_(uint32_t(context.luminaires.size())),
       lobes_(frame.glossy ? 2 : 1),
       queue_(context.geometry) {
+  if (c_.extras.want_parts()) parts.emplace(kPacket, c_.extras.light_groups());
+  if (c_.extras.want_mattes()) mattes.resize(kPacket);
+  if (c_.extras.any()) seen.resize(kPacket);
   // The queue points into it.
   visible_.reserve(size_t(kPacket) * context.paths.length() * luminaires_);
 }
@@ -80,8 +83,17 @@ void SamplePacket::find_points(std::span<const SampleRun> runs) {
   c_.geometry.intersect(rays, (1u << lane) - 1, hits);
   tally_.primary_rays += lane;
   points_.clear();
-  for (uint32_t i = 0; i < lane; ++i)
-    c_.paths.follow(rays[i], hits[i], i, 0, points_, tally_.mirror_rays, ends[i]);
+  const bool recorded = c_.extras.any();
+  if (parts) parts->clear();
+  for (std::vector<MatteHit>& one : mattes) one.clear();
+  for (uint32_t i = 0; i < lane; ++i) {
+    PathRecord record{.mist = &c_.settings.mist};
+    if (parts) record.parts = parts->of(i);
+    if (!mattes.empty()) record.mattes = &mattes[i];
+    if (recorded) record.seen = &(seen[i] = {});
+    c_.paths.follow(rays[i], hits[i], i, 0, points_, tally_.mirror_rays, ends[i],
+                    recorded ? &record : nullptr);
+  }
 }
 
 /// A point of the luminaire for each of the surface points [begin, end).
@@ -147,6 +159,7 @@ void SamplePacket::light(std::span<const SampleRun> runs, uint32_t l, uint32_t b
       charge[lane] += size / 2;
       ++tally_.light.decided_without_ray;
       ends[lane].background += diffuse * 0.5;
+      if (parts) add_light(parts->of(lane), luminaire, lit, {diffuse * 0.5, diffuse * 0.5}, {});
       continue;
     }
     const uint32_t s = (lit.bounce * luminaires_ + l) * lobes_;
@@ -159,7 +172,7 @@ void SamplePacket::light(std::span<const SampleRun> runs, uint32_t l, uint32_t b
       float weight = sampled;
       weigh_diffuse(shading, &to_light.x, &to_light.y, &to_light.z, 1, &weight);
       const double mean = form_factors[i] * colour.weight;
-      contributions_.push_back({lane, s, diffuse, size * double(weight) / mean, ray});
+      contributions_.push_back({lane, s, diffuse, size * double(weight) / mean, ray, lit.mirrored});
     }
     if (!shading.has_glossy || !luminaire.role().glossy) continue;
     // No closed form: the sampled value itself stands for the unshadowed one.
@@ -168,7 +181,8 @@ void SamplePacket::light(std::span<const SampleRun> runs, uint32_t l, uint32_t b
     const Vec3d specular = lit.material->has_glossy_lobes ? arriving * lobe.glossy
                                                           : arriving * lit.material->phong * lobe.weight;
     if (lobe.weight > 0)
-      contributions_.push_back({lane, s + 1, specular, max_abs(specular) * display_scale_, ray});
+      contributions_.push_back(
+          {lane, s + 1, specular, max_abs(specular) * display_scale_, ray, lit.mirrored});
   }
 }
 

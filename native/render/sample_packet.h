@@ -2,6 +2,7 @@
 // Samples of filtered pixels, a packet at a time: from places in the pixel to what each luminaire sends.
 #pragma once
 
+#include <optional>
 #include <span>
 
 #include "render/block.h"
@@ -22,6 +23,7 @@ struct Contribution {
   Vec3d unshadowed;
   double weight;  // of the sampled point on the luminaire, display units
   int64_t ray;    // number among the packet's shadow rays; kNoRay: none was wanted
+  bool mirrored;  // came by way of mirrors
 };
 inline constexpr int64_t kNoRay = -1;
 
@@ -54,8 +56,11 @@ class SamplePacket {
   // Of the last packet, by lane:
   double dx[kPacket], dy[kPacket];  // place, pixels from the pixel's centre
   PathEnd ends[kPacket];
-  double charge[kPacket];     // error of dim luminaires that were left out, display units
-  uint32_t rays_of[kPacket];  // shadow rays
+  double charge[kPacket];                     // error of dim luminaires that were left out, display units
+  uint32_t rays_of[kPacket];                  // shadow rays
+  std::optional<LightParts> parts;            // only where passes want them: all but the contributions,
+  std::vector<std::vector<MatteHit>> mattes;  // and these
+  std::vector<SeenObject> seen;
 
   uint32_t pixel(uint32_t lane) const { return lanes_[lane].pixel; }
 

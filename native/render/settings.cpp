@@ -75,6 +75,8 @@ RenderSettings RenderSettings::validated() const {
   if (stop_rule == StopRuleKind::kPaper)
     require(max_light_samples >= 2 * check_interval,
             "stop_rule PAPER first compares at 2 x check_interval points: max_light_samples is below that");
+  require(std::isfinite(mist.start) && std::isfinite(mist.depth) && mist.exponent > 0,
+          "mist must be a finite start and depth and a positive exponent");
   for (const std::string& name : passes)
     require(pass_channels(name) > 0, "there is no pass named '" + name + "'");
   return s;
@@ -88,7 +90,7 @@ std::string RenderSettings::description() const {
        << ' ' << max_light_samples << ' ' << check_interval << ", sampler " << int(sampler) << ' '
        << int(sample_reuse) << ' ' << seed << ", pixel " << pixel_samples << ' ' << max_pixel_samples << ' '
        << int(filter_type) << ' ' << filter_width << ", mirrors " << mirror_depth << ", exposure " << exposure
-       << ", passes";
+       << ", mist " << mist.start << ' ' << mist.depth << ' ' << mist.exponent << ", passes";
   for (const std::string& name : std::set<std::string>(passes.begin(), passes.end())) text << ' ' << name;
   return text.str();
 }

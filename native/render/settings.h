@@ -17,6 +17,11 @@ struct Rectangle {
   uint32_t x = 0, y = 0, width = 0, height = 0;
 };
 
+/// How much of what lies how far from the camera is mist: ((distance - start) / depth)^exponent.
+struct MistSettings {
+  double start = 5, depth = 25, exponent = 2;  // world units
+};
+
 struct RenderSettings {
   uint32_t width = 0, height = 0;  // full frame
   Rectangle region;                // what is rendered; all where its width is 0
@@ -37,6 +42,7 @@ struct RenderSettings {
   double exposure = 0;             // stops: display = radiance x 2^exposure
   uint32_t threads = 0;            // 0: one for each processor
   std::vector<std::string> passes{"Combined"};
+  MistSettings mist;
   uint32_t memory_limit = 0;  // MiB for the film and the ray tracing structure; 0: none
   std::string checkpoint;     // folder of finished buckets to go on from; none if empty
   std::string build;          // of the program: a checkpoint belongs to one

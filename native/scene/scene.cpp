@@ -66,6 +66,12 @@ uint64_t hash_of_program(uint64_t h, const Program& program) {
   return h;
 }
 
+uint64_t hash_of_traits(uint64_t h, const ObjectTraits& traits) {
+  const float numbers[3] = {traits.pass_index, traits.object_matte, traits.asset_matte};
+  h = hash_of(hash_bytes(h, numbers, sizeof(numbers)), traits.light_group);
+  return hash_of(h, traits.holdout);
+}
+
 }  // namespace
 
 void Scene::check_not_frozen(const std::string& name) const {
@@ -153,6 +159,8 @@ void Scene::add_instance(Instance instance) {
   hash_ = hash_bytes(hash_, &instance.world_from_object, sizeof(Affine));
   hash_ = hash_array(hash_of(hash_, instance.mesh), instance.materials);
   hash_ = hash_of(hash_of(hash_, instance.rays), instance.receiver_set);
+  hash_ = hash_of_traits(hash_, traits_);
+  instance.traits = traits_;
   instances_.push_back(std::move(instance));
 }
 
@@ -171,6 +179,7 @@ void Scene::add_luminaire(AreaLuminaire luminaire) {
   hash_ = hash_of(hash_bytes(hash_, shape, sizeof(shape)), luminaire.cast_shadow);
   hash_ = hash_of_role(hash_, luminaire.role);
   luminaires_.emplace_back(std::move(luminaire));
+  add_to_group();
 }
 
 void Scene::add_luminaire(PointLuminaire luminaire) {
@@ -194,6 +203,7 @@ void Scene::add_luminaire(PointLuminaire luminaire) {
   }
   hash_ = hash_of_role(hash_, luminaire.role);
   luminaires_.emplace_back(std::move(luminaire));
+  add_to_group();
 }
 
 void Scene::add_luminaire(SunLuminaire luminaire) {
@@ -208,6 +218,7 @@ void Scene::add_luminaire(SunLuminaire luminaire) {
   hash_ = hash_of(hash_bytes(hash_, &luminaire.half_angle, sizeof(double)), luminaire.cast_shadow);
   hash_ = hash_of_role(hash_, luminaire.role);
   luminaires_.emplace_back(std::move(luminaire));
+  add_to_group();
 }
 
 void Scene::add_luminaire(MeshLuminaire luminaire) {
@@ -217,6 +228,37 @@ void Scene::add_luminaire(MeshLuminaire luminaire) {
   hash_ = hash_of(hash_bytes(hash_, &luminaire.radiance, sizeof(Vec3d)), luminaire.cast_shadow);
   hash_ = hash_of_role(hash_, luminaire.role);
   luminaires_.emplace_back(std::move(luminaire));
+  add_to_group();
+}
+
+void Scene::add_to_group() {
+  luminaire_groups_.push_back(traits_.light_group);
+  hash_ = hash_of(hash_, traits_.light_group);
+}
+
+uint32_t Scene::add_light_group(std::string name) {
+  hash_ = hash_bytes(hash_, name.data(), name.size());
+  light_groups_.push_back(std::move(name));
+  return uint32_t(light_groups_.size() - 1);
+}
+
+void Scene::set_traits(const ObjectTraits& traits) {
+  if (traits.light_group != kNoLightGroup && traits.light_group >= light_groups_.size())
+    refuse("scene", "no light group with number " + std::to_string(traits.light_group));
+  traits_ = traits;
+}
+
+void Scene::set_material_ids(uint32_t material, float pass_index, float matte) {
+  if (material >= materials_.size()) refuse("scene", "no material with number " + std::to_string(material));
+  const float ids[2] = {pass_index, matte};
+  hash_ = hash_bytes(hash_of(hash_, material), ids, sizeof(ids));
+  materials_[material].pass_index = pass_index;
+  materials_[material].matte = matte;
+}
+
+void Scene::set_uv_attribute(uint32_t attribute) {
+  hash_ = hash_of(hash_, attribute);
+  uv_attribute_ = attribute;
 }
 
 void Scene::set_camera(const Camera& camera) {
@@ -249,6 +291,9 @@ void Scene::set_background(const Background& background) {
   if (!is_finite(background.color)) refuse("background", "the colour is not finite");
   hash_ = hash_of(hash_bytes(hash_, &background.color, sizeof(Vec3d)), background.transparent);
   hash_ = hash_of(hash_of(hash_, background.lights), background.seen_by_camera);
+  if (background.light_group != kNoLightGroup && background.light_group >= light_groups_.size())
+    refuse("background", "no light group with number " + std::to_string(background.light_group));
+  hash_ = hash_of(hash_, background.light_group);
   if (const Environment* sky = background.environment.get()) {
     if (sky->pixels.empty() || sky->pixels.size() != size_t(sky->width) * sky->height)
       refuse("background", "the picture has no pixels");

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -15,6 +16,7 @@
 #include "scene/environment.h"
 #include "scene/image.h"
 #include "scene/luminaires.h"
+#include "scene/object_traits.h"
 #include "scene/program.h"
 #include "scene/ray_mask.h"
 
@@ -45,6 +47,7 @@ struct Instance {
   std::vector<uint32_t> materials;  // by slot; slots beyond the end use the last one
   RayMask rays = kAnyRay;           // it is there for
   uint32_t receiver_set = 0;        // see LuminaireRole::receivers
+  ObjectTraits traits = {};
 };
 
 /// Closures of a constant material (the paper's BRDF and more, colours scene linear); those of one that
@@ -53,6 +56,7 @@ struct Material : Closures {
   std::string name;
   std::shared_ptr<const Program> program;         // null: constant
   std::shared_ptr<const Program> shadow_program;  // of it what transparency takes, for shadow rays
+  float pass_index = 0, matte = 0;                // for passes; the matte is Cryptomatte's id
 
   bool may_be_glossy() const { return program ? program->may_be_glossy() : has_glossy(); }
   bool may_mirror() const { return program ? program->may_mirror() : max_component(mirror) > 0; }
@@ -68,6 +72,7 @@ struct Background {
   std::shared_ptr<const Environment> environment = {};  // times `color`; none: `color` everywhere
   bool lights = false;                                  // it lights the scene
   bool seen_by_camera = true;
+  uint32_t light_group = kNoLightGroup;
 
   Vec3d radiance(const Vec3d& to_sky) const {
     return environment ? color * environment->radiance(to_sky) : color;
@@ -90,6 +95,13 @@ class Scene {
   void add_luminaire(PointLuminaire luminaire);
   void add_luminaire(SunLuminaire luminaire);
   void add_luminaire(MeshLuminaire luminaire);
+  /// Returns the group's number.
+  uint32_t add_light_group(std::string name);
+  /// Of the instances and luminaires that are added from now on.
+  void set_traits(const ObjectTraits& traits);
+  void set_material_ids(uint32_t material, float pass_index, float matte);
+  /// Number of the attribute that the pass UV shows.
+  void set_uv_attribute(uint32_t attribute);
   void set_camera(const Camera& camera);
   void set_background(const Background& background);
 
@@ -103,6 +115,9 @@ class Scene {
   const std::vector<Material>& materials() const { return materials_; }
   const std::vector<Image>& images() const { return images_; }
   const std::vector<LuminaireDescription>& luminaires() const { return luminaires_; }
+  uint32_t light_group_of(size_t luminaire) const { return luminaire_groups_[luminaire]; }
+  const std::vector<std::string>& light_groups() const { return light_groups_; }
+  std::optional<uint32_t> uv_attribute() const { return uv_attribute_; }
   const Camera& camera() const;
   const Background& background() const { return background_; }
   bool has_mirrors() const { return has_mirrors_; }
@@ -110,12 +125,17 @@ class Scene {
 
  private:
   void check_not_frozen(const std::string& name) const;
+  void add_to_group();
 
   std::vector<Mesh> meshes_;
   std::vector<Instance> instances_;
   std::vector<Material> materials_;
   std::vector<Image> images_;
   std::vector<LuminaireDescription> luminaires_;
+  std::vector<uint32_t> luminaire_groups_;
+  std::vector<std::string> light_groups_;
+  std::optional<uint32_t> uv_attribute_;
+  ObjectTraits traits_;
   Camera camera_;
   Background background_;
   bool has_camera_ = false, has_mirrors_ = false, has_transparency_ = false, frozen_ = false;

@@ -58,6 +58,7 @@ class Geometry {
   /// What of the scene was left out, in sentences that name the first object.
   const std::vector<std::string>& notes() const { return notes_; }
   const std::string& name_of(const Hit& hit) const { return instances_[hit.instance].name; }
+  const ObjectTraits& traits_of(uint32_t instance) const { return instances_[instance].traits; }
 
   /// What Embree calls at surfaces that may be transparent; the context is an embree::ShadowContext.
   static void filter_shadow_rays(const RTCFilterFunctionNArguments* arguments);
@@ -73,6 +74,7 @@ class Geometry {
     bool shared;                // the mesh has a BVH of its own, and this is an instance of that
     std::vector<uint32_t> materials;
     uint32_t receiver_set;
+    ObjectTraits traits;
   };
 
   void clean(std::vector<Mesh>& meshes, const std::vector<uint32_t>& users);

@@ -100,7 +100,8 @@ Geometry::Geometry(std::vector<Mesh> meshes, std::vector<Instance> instances, ui
                           .extent = 0,
                           .shared = meshes_[instance.mesh] != nullptr,
                           .materials = std::move(instance.materials),
-                          .receiver_set = instance.receiver_set};
+                          .receiver_set = instance.receiver_set,
+                          .traits = instance.traits};
     has_shared_meshes_ = has_shared_meshes_ || placed.shared;
     const double determinant = placed.render_from_object.determinant();
     placed.orientation = determinant < 0 ? -1 : 1;

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "render/filtered_parts.h"
+
+#include <optional>
+
+namespace penumbra {
+
+FilteredParts::FilteredParts(const RenderContext& context, const FilteredFrame& frame, uint32_t pixels)
+    : c_(context),
+      frame_(frame),
+      sums_(context.extras.want_parts() ? pixels : 0, context.extras.light_groups()),
+      fitted_(context.extras.want_parts() ? pixels : 0, context.extras.light_groups()),
+      seen_(pixels) {
+  if (c_.extras.want_parts() && c_.scene.has_mirrors()) mirrored_.resize(frame.slots.size());
+  if (c_.extras.want_mattes()) mattes_.resize(pixels);
+}
+
+void FilteredParts::add(const SamplePacket& packet, std::span<const SampleRun> runs) {
+  uint32_t lane = 0;
+  for (const SampleRun& run : runs) {
+    std::optional<PlaneFit> fit;
+    if (run.first == 0) {
+      fit.emplace(packet.dx + lane, packet.dy + lane);
+      seen_[run.pixel] = packet.seen[lane];
+    }
+    for (uint32_t i = 0; i < run.count; ++i, ++lane) {
+      if (packet.parts) {
+        const auto one = packet.parts->of(lane);
+        const auto sums = sums_.of(run.pixel), fitted = fitted_.of(run.pixel);
+        for (uint32_t k = 0; k < sums_.count(); ++k) {
+          sums[k] += one[k];
+          if (fit) fitted[k] += one[k] * fit->h[i];
+        }
+      }
+      if (mattes_.empty()) continue;
+      for (const MatteHit& hit : packet.mattes[lane]) add_matte(mattes_[run.pixel], hit);
+    }
+  }
+  if (mirrored_.empty()) return;
+  for (const Contribution& one : packet.contributions())
+    if (one.mirrored)
+      mirrored_[size_t(packet.pixel(one.lane)) * frame_.slot_count + one.slot] += one.unshadowed;
+}
+
+/// As FilteredBlock::write() has them for Combined.
+std::vector<Vec3d> FilteredParts::parts_of(uint32_t p, const FilteredPixel& pixel,
+                                           const CentreLight& centres) const {
+  const auto sums = sums_.of(p), fitted = fitted_.of(p);
+  const bool edge = frame_.edge[p];
+  std::vector<Vec3d> parts(sums_.count());
+  for (uint32_t k = 0; k < parts.size(); ++k)
+    parts[k] = edge ? sums[k] / pixel.count : same_side(fitted[k], sums[k]);
+  const auto slots = frame_.of_pixel(p);
+  const uint32_t lobes = frame_.glossy ? 2 : 1;
+  for (uint32_t s = 0; s < slots.size(); ++s) {
+    const Slot& slot = slots[s];
+    const Vec3d& all = slot.now.unshadowed;
+    if (all == Vec3d{} || (!edge && slot.uncertain)) continue;
+    const LobeLight light =
+        edge ? LobeLight{slot.radiance(slot.now, pixel.count), all / pixel.count}
+             : LobeLight{same_side(slot.fitted_radiance(), all), same_side(slot.fitted, all)};
+    Vec3d mirrored;
+    if (!mirrored_.empty()) {
+      const Vec3d& by_mirrors = mirrored_[size_t(p) * frame_.slot_count + s];
+      const auto share = [](double some, double whole) { return whole != 0 ? some / whole : 0.0; };
+      mirrored = {share(by_mirrors.x, all.x), share(by_mirrors.y, all.y), share(by_mirrors.z, all.z)};
+    }
+    add_light(parts, c_.luminaires[s / lobes % c_.luminaires.size()],
+              s % lobes ? kGlossyLight : kDiffuseLight, light, mirrored);
+  }
+  if (pixel.uncertain && !edge) centres.add_parts(p, parts);
+  return parts;
+}
+
+bool FilteredParts::write(uint32_t p, uint32_t x, uint32_t y, const FilteredPixel& pixel,
+                          const CentreLight& centres) const {
+  PixelParts all{.parts = {}, .mattes = {}, .samples = double(pixel.count)};
+  std::vector<Vec3d> parts;
+  if (c_.extras.want_parts()) parts = parts_of(p, pixel, centres);
+  all.parts = parts;
+  if (!mattes_.empty()) all.mattes = mattes_[p];
+  return c_.extras.write(x, y, seen_[p], all);
+}
+
+}  // namespace penumbra

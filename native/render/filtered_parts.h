@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What passes want to know of a block of filtered pixels; of the same samples and slots as Combined.
+#pragma once
+
+#include "render/centre_light.h"
+#include "render/sample_packet.h"
+
+namespace penumbra {
+
+class FilteredParts {
+ public:
+  FilteredParts(const RenderContext& context, const FilteredFrame& frame, uint32_t pixels);
+
+  /// Adds a packet's samples to their pixels.
+  void add(const SamplePacket& packet, std::span<const SampleRun> runs);
+
+  /// Writes a pixel, x, y in the full frame. Returns whether something was not finite.
+  bool write(uint32_t p, uint32_t x, uint32_t y, const FilteredPixel& pixel,
+             const CentreLight& centres) const;
+
+ private:
+  std::vector<Vec3d> parts_of(uint32_t p, const FilteredPixel& pixel, const CentreLight& centres) const;
+
+  const RenderContext& c_;
+  const FilteredFrame& frame_;
+  LightParts sums_, fitted_;  // over the samples; at the pixel's centre
+  std::vector<Vec3d>
+      mirrored_;  // of each slot's unshadowed sum, what came by way of mirrors; if there are any
+  std::vector<std::vector<MatteHit>> mattes_;
+  std::vector<SeenObject> seen_;  // by the first sample
+};
+
+}  // namespace penumbra
