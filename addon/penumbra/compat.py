@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """All that differs between the Blender versions Penumbra runs in (3.4 to 5.2). No other file asks for the version."""
 
+import bl_ui.properties_view_layer
 import bpy
 import numpy as np
 
@@ -25,12 +26,32 @@ PRINCIPLED_HAS_LAYERS = bpy.app.version >= (4, 0, 0)
 GGX_IS_CORRELATED = bpy.app.version >= (3, 5, 0)
 """Cycles' microfacets know of masking and shadowing together since Blender 3.5."""
 
+PASSES_HAVE_SHORT_NAMES = bpy.app.version < (5, 0, 0)
+"""Before Blender 5.0 some passes have short names; since then all have those that the native renderer has, too."""
+
+SHORT_PASS_NAMES = {
+    "Diffuse Direct": "DiffDir", "Diffuse Color": "DiffCol", "Glossy Direct": "GlossDir",
+    "Glossy Indirect": "GlossInd", "Glossy Color": "GlossCol", "Emission": "Emit", "Environment": "Env",
+    "Object Index": "IndexOB", "Material Index": "IndexMA",
+}  # fmt: skip
+
 FILE_PATH_OPTIONS = (
     {"PATH_SUPPORTS_BLEND_RELATIVE"}
     if "is_path_supports_blend_relative" in bpy.types.Property.bl_rna.properties
     else set()
 )
 """The options of a path property that may start with //, which newer versions want to be told."""
+
+
+def view_layer_panel(topic: str) -> type:
+    """The class that draws Blender's own panel of view layers on Cryptomatte or Lightgroups."""
+    module = bl_ui.properties_view_layer
+    return getattr(module, f"ViewLayer{topic}PanelHelper", None) or getattr(module, f"ViewLayer{topic}Panel")
+
+
+def pass_name(name: str) -> str:
+    """Blender's name of a pass."""
+    return SHORT_PASS_NAMES.get(name, name) if PASSES_HAVE_SHORT_NAMES else name
 
 
 def write_pass(render_pass, pixels: np.ndarray) -> None:

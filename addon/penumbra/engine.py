@@ -10,7 +10,7 @@ from time import perf_counter
 
 import bpy
 
-from . import checkpoint, native, passes, properties, statistics, viewport
+from . import checkpoint, cryptomatte, native, passes, properties, statistics, viewport
 from .export import ExportCancelled, ExportError, Kept, export_scene
 from .export.camera import frame_size, render_region
 from .notes import Notes
@@ -67,13 +67,16 @@ class PenumbraRenderEngine(bpy.types.RenderEngine):
 
         start = perf_counter()
         self.update_stats("", "Exporting the scene")
-        kept = self.kept_meshes(pn, scene)
-        exported = export_scene(pn, depsgraph, self.camera_override, notes, self.test_break, kept=kept)
+        passes.note_missing(view_layer, notes)
+        wanted = passes.native_settings(scene, view_layer)
+        mattes: dict[str, set[str]] = {}
+        exported = export_scene(pn, depsgraph, self.camera_override, notes, self.test_break,
+                                kept=self.kept_meshes(pn, scene), passes=frozenset(wanted["passes"]),
+                                mattes=mattes)  # fmt: skip
         seconds = {"export": perf_counter() - start, "return": 0.0}
 
         self.update_stats("", "Building the ray tracing structure")
-        names = [entry.name for entry in passes.wanted_by(view_layer)]
-        settings = properties.native_settings(scene, size, region, names)
+        settings = properties.native_settings(scene, size, region, wanted["passes"]) | wanted
         if self.is_preview:
             settings |= properties.PREVIEW
         if debug_pixel:
@@ -91,6 +94,8 @@ class PenumbraRenderEngine(bpy.types.RenderEngine):
         for text in found["warnings"]:
             notes.add(text)
         self.publish(view_layer, statistics.of_view_layer(found, seconds, notes.texts, cancelled), statistics_path)
+        for kind, matte_names in mattes.items():
+            self.add_metadata(cryptomatte.metadata(view_layer.name, kind, matte_names))
 
     def kept_meshes(self, pn, scene) -> Kept | None:
         """What the frame before has left, if the scene wants data to persist: Blender keeps this instance then, and
@@ -150,11 +155,15 @@ class PenumbraRenderEngine(bpy.types.RenderEngine):
             layers = {}
         self.layer_statistics = layers = layers | {view_layer.name: layer_statistics}
         statistics.last_render = total = statistics.merge(layers)
-        result = self.get_result()  # only after end_result do fields reach the file's header
-        for name, text in statistics.metadata(total).items():
-            result.stamp_data_add_field(name, text)
+        self.add_metadata(statistics.metadata(total))
         if path:
             statistics.write(path, total)
+
+    def add_metadata(self, fields: dict[str, str]) -> None:
+        """Writes into the picture's header. Only after end_result do fields reach it."""
+        result = self.get_result()
+        for name, text in fields.items():
+            result.stamp_data_add_field(name, text)
 
 
 def register() -> None:

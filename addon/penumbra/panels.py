@@ -5,7 +5,7 @@ import textwrap
 
 import bpy
 
-from . import native, panels_objects, statistics
+from . import native, panels_objects, panels_passes, statistics
 from .panel import PropertiesPanel
 from .presets import PENUMBRA_PT_presets
 
@@ -186,18 +186,6 @@ class PENUMBRA_RENDER_PT_report(PropertiesPanel, bpy.types.Panel):
         column.operator("penumbra.report", text="Speed against Error...", icon="GRAPH")
 
 
-class PENUMBRA_VIEWLAYER_PT_passes(PropertiesPanel, bpy.types.Panel):
-    bl_label = "Passes"
-    bl_context = "view_layer"
-
-    def draw(self, context):
-        layer, column = context.view_layer, self.column()
-        for name in ("use_pass_z", "use_pass_normal", "use_pass_position"):
-            column.prop(layer, name)
-        for name in ("use_pass_light_samples", "use_pass_error_estimate"):
-            column.prop(layer.penumbra, name)
-
-
 CLASSES = (
     PenumbraPreferences,
     PENUMBRA_RENDER_PT_error,
@@ -210,7 +198,7 @@ CLASSES = (
     PENUMBRA_RENDER_PT_info,
     PENUMBRA_RENDER_PT_notes,
     PENUMBRA_RENDER_PT_report,
-    PENUMBRA_VIEWLAYER_PT_passes,
+    *panels_passes.CLASSES,
     *panels_objects.CLASSES,
 )
 

@@ -105,9 +105,9 @@ void set_camera(PythonScene& self, const std::string& kind, const py::array& wor
 
 /// "None" means no light group.
 void set_traits(PythonScene& self, float pass_index, float object_matte, float asset_matte,
-                const std::optional<uint32_t>& light_group, bool holdout) {
+                const std::optional<uint32_t>& light_group, bool holdout, bool indirect_only) {
   self.scene->set_traits(
-      {pass_index, object_matte, asset_matte, light_group.value_or(kNoLightGroup), holdout});
+      {pass_index, object_matte, asset_matte, light_group.value_or(kNoLightGroup), holdout, indirect_only});
 }
 
 void bind_passes(py::class_<PythonScene>& scene) {
@@ -118,10 +118,12 @@ void bind_passes(py::class_<PythonScene>& scene) {
           py::arg("name"), "Adds a group of lights, which the pass Combined_NAME shows; returns its number.")
       .def("set_traits", &set_traits, py::arg("pass_index") = 0.0f, py::arg("object_matte") = 0.0f,
            py::arg("asset_matte") = 0.0f, py::arg("light_group") = py::none(), py::arg("holdout") = false,
+           py::arg("indirect_only") = false,
            R"(What the instances and luminaires that are added from now on are to passes and to the film.
 
 pass_index: of the pass Object Index. object_matte, asset_matte: Cryptomatte's ids. light_group: number of the group
-that their light belongs to, None: of none. holdout: the camera sees a hole in the film in their place.)")
+that their light belongs to, None: of none. holdout: the camera sees a hole in the film in their place.
+indirect_only: the camera does not see them.)")
       .def(
           "set_material_ids",
           [](PythonScene& self, uint32_t material, float pass_index, float matte) {

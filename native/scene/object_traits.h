@@ -13,6 +13,7 @@ struct ObjectTraits {
   float object_matte = 0, asset_matte = 0;  // Cryptomatte's ids: hashes of names
   uint32_t light_group = kNoLightGroup;     // of the light that it emits
   bool holdout = false;                     // the camera sees a hole in its place
+  bool indirect_only = false;               // the camera does not see it
 };
 
 }  // namespace penumbra

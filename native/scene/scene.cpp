@@ -69,7 +69,7 @@ uint64_t hash_of_program(uint64_t h, const Program& program) {
 uint64_t hash_of_traits(uint64_t h, const ObjectTraits& traits) {
   const float numbers[3] = {traits.pass_index, traits.object_matte, traits.asset_matte};
   h = hash_of(hash_bytes(h, numbers, sizeof(numbers)), traits.light_group);
-  return hash_of(h, traits.holdout);
+  return hash_of(hash_of(h, traits.holdout), traits.indirect_only);
 }
 
 }  // namespace
@@ -161,6 +161,7 @@ void Scene::add_instance(Instance instance) {
   hash_ = hash_of(hash_of(hash_, instance.rays), instance.receiver_set);
   hash_ = hash_of_traits(hash_, traits_);
   instance.traits = traits_;
+  if (traits_.indirect_only) instance.rays &= ~kCameraRay;
   instances_.push_back(std::move(instance));
 }
 

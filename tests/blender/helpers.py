@@ -13,7 +13,7 @@ import pytest
 from penumbra import compat
 
 REPOSITORY = Path(__file__).resolve().parents[2]
-CHANNEL_ORDER = "RGBAXYZWVU"
+CHANNEL_ORDER = "RGBXYZWUVA"
 
 
 def read_exr(path) -> dict[str, np.ndarray]:
@@ -32,7 +32,7 @@ def read_exr(path) -> dict[str, np.ndarray]:
         pixels = np.asarray(pixels).reshape(spec.height, spec.width, spec.nchannels)[::-1]
         for index, channel in enumerate(spec.channelnames):
             layer, _, name = channel.rpartition(".")[0].partition(".")
-            order = CHANNEL_ORDER.find(channel[-1])
+            order = CHANNEL_ORDER.find(channel[-1].upper())
             groups.setdefault((layer, name or "Combined"), []).append((order, pixels[..., index]))
     one_layer = len({layer for layer, _ in groups}) == 1
     return {

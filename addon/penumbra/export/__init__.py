@@ -13,6 +13,7 @@ from .materials import Materials
 from .mesh_lights import MeshLights
 from .meshes import Meshes
 from .places import world_matrices
+from .traits import Traits
 
 __all__ = ["ExportCancelled", "ExportError", "Kept", "export_scene", "is_shown"]
 
@@ -32,17 +33,20 @@ def is_shown(instance, space) -> bool:
 
 
 def export_scene(pn, depsgraph, camera_object, notes: Notes, is_cancelled: Callable[[], bool] = lambda: False,
-                 space=None, kept: Kept | None = None):  # fmt: skip
+                 space=None, kept: Kept | None = None, passes: frozenset[str] = frozenset(),
+                 mattes: dict[str, set[str]] | None = None):  # fmt: skip
     """The native scene of an evaluated depsgraph, all in world space and metres.
 
     pn: the native module. camera_object: the evaluated camera, None for the scene's own. notes: gets one note for each
     thing that Penumbra renders differently from what the file asks. Raises ExportError or ValueError naming the object
     at fault; ExportCancelled as soon as `is_cancelled()` is seen. space: a 3D view, whose own camera is set later, and
     whose hidden objects are left out. kept: what earlier exports left; its begin() tells what has changed since.
+    passes: native names of those that are wanted. mattes: gets the names of what was exported, by Cryptomatte's pass.
     """
     scene = pn.Scene(kept.textures) if kept else pn.Scene()
+    traits = Traits(scene, depsgraph, passes)
     materials = Materials(pn, scene, notes, depsgraph.view_layer_eval.material_override,
-                          depsgraph.scene_eval.frame_current, kept and kept.attributes)  # fmt: skip
+                          depsgraph.scene_eval.frame_current, traits, kept and kept.attributes)  # fmt: skip
     linking = LightLinking(pn, depsgraph, notes)
     meshes = Meshes(pn, scene, materials, notes, linking, kept)
     luminaires = Luminaires(pn, scene, notes, linking)
@@ -50,7 +54,7 @@ def export_scene(pn, depsgraph, camera_object, notes: Notes, is_cancelled: Calla
 
     if space is None:
         camera.export(scene, depsgraph, camera_object, notes)
-    world.export(scene, depsgraph.scene_eval, notes)
+    world.export(scene, depsgraph.scene_eval, notes, traits.light_group(depsgraph.scene_eval.world))
     matrices = world_matrices(depsgraph.object_instances)
     for count, instance in enumerate(depsgraph.object_instances):
         if count % OBJECTS_BETWEEN_BREAKS == 0 and is_cancelled():
@@ -58,6 +62,7 @@ def export_scene(pn, depsgraph, camera_object, notes: Notes, is_cancelled: Calla
         if not is_shown(instance, space):
             continue
         kind = instance.object.type
+        traits.set_for(instance)
         if kind == "MESH":  # curves, text, surfaces and metaballs come as instances of a mesh, too
             meshes.add(instance, matrices[count])
             mesh_lights.add(instance)
@@ -70,4 +75,6 @@ def export_scene(pn, depsgraph, camera_object, notes: Notes, is_cancelled: Calla
                   " gives no light")  # fmt: skip
     if kept:
         kept.end()
+    if mattes is not None:
+        mattes.update(traits.names)
     return scene

@@ -14,6 +14,7 @@ from ..notes import Notes
 from .brdf import GREY, Brdf, Lobe, NotThePapers, combine, lobes_of
 from .errors import ExportError
 from .shader import AttributeNames, Compiler, Images, Shaders
+from .traits import Traits
 
 NOT_REFLECTING = ("phong", "emission", "transparent", "holdout")
 
@@ -50,14 +51,17 @@ def check_finite(material, lobes: list[Lobe]) -> None:
 class Materials:
     """The native scene's materials: each of Blender's is exported once; a view layer's `override` replaces them all."""
 
-    def __init__(self, native_module, native_scene, notes: Notes, override=None, frame: int = 1,
+    def __init__(self, native_module, native_scene, notes: Notes, override, frame: int, traits: Traits,
                  attributes: AttributeNames | None = None) -> None:  # fmt: skip
         self._module, self._scene, self._notes, self._override = native_module, native_scene, notes, override
+        self._traits = traits
         self._exported: dict[int, Exported] = {}
         self._default: Exported | None = None
         self._operations = frozenset(native_module.operations())
         self._images = Images(native_module, native_scene, frame)
         self.attributes = attributes or AttributeNames()
+        self.attributes_of_all = traits.attributes(self.attributes)
+        """Numbers of the attributes that are read from every mesh"""
 
     def of_slots(self, evaluated_object) -> list[Exported]:
         """An object's material slots, linked to the object or to its data; at least one."""
@@ -69,10 +73,12 @@ class Materials:
         if material is None:
             if self._default is None:
                 self._default = Exported(self._scene.add_material("(no material)", diffuse=GREY))
+                self._traits.set_for_material(self._default.number, None)
             return self._default
         key = material.as_pointer()
         if key not in self._exported:
             self._exported[key] = self._export(material)
+            self._traits.set_for_material(self._exported[key].number, material)
         return self._exported[key]
 
     def _export(self, material) -> Exported:

@@ -46,8 +46,7 @@ def read_mesh(mesh) -> MeshArrays:
 
 def unsupported(evaluated_object) -> list[str]:
     """What an object asks for that Penumbra leaves out."""
-    found = [text for flag, text in (("is_holdout", "holdout"), ("is_shadow_catcher", "shadow catcher"))
-             if getattr(evaluated_object, flag, False)]  # fmt: skip
+    found = ["shadow catcher"] if getattr(evaluated_object, "is_shadow_catcher", False) else []
     if any(s.settings.type == "HAIR" and s.settings.render_type == "PATH" for s in evaluated_object.particle_systems):
         found.append("particle hair")
     return found
@@ -77,7 +76,7 @@ class Meshes:
             if found := unsupported(evaluated_object):
                 self._notes.add(f"object {evaluated_object.name!r}: {', '.join(found)} not supported yet and ignored")
         slots = self._slots[slots_key]
-        mesh_key = slots_key[0], frozenset().union(*(slot.attributes for slot in slots))
+        mesh_key = slots_key[0], self._materials.attributes_of_all.union(*(slot.attributes for slot in slots))
         if mesh_key not in self._mesh_ids:
             self._mesh_ids[mesh_key] = self._export(evaluated_object, mesh_key)
         mesh_id = self._mesh_ids[mesh_key]

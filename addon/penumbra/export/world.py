@@ -99,8 +99,8 @@ def sky_of(world, issues: list[str]) -> Sky:
     return Sky((strength,) * 3, image, rotation, texture.interpolation != "Closest")
 
 
-def export(native_scene, scene, notes: Notes) -> None:
-    """Sets the native scene's background."""
+def export(native_scene, scene, notes: Notes, light_group: int | None = None) -> None:
+    """Sets the native scene's background; light_group: number of the group that its light belongs to."""
     issues: list[str] = []
     world = scene.world
     sky = sky_of(world, issues)
@@ -114,4 +114,5 @@ def export(native_scene, scene, notes: Notes) -> None:
     native_scene.set_background(
         color=sky.colour, transparent=scene.render.film_transparent, lights=seen_by["diffuse"],
         seen_by_camera=seen_by["camera"], image=sky.image, local_from_world=sky.local_from_world, smooth=sky.smooth,
+        light_group=light_group,
     )  # fmt: skip
