@@ -186,3 +186,13 @@ def test_a_checkpoint_with_other_passes_is_refused_and_its_own_holds_them(two_la
     switch_on(first, "Emission")
     with pytest.raises(RuntimeError, match="cannot be continued"):
         render_pixels(scene)
+
+
+def test_baking_is_refused_with_a_sentence(two_layers):
+    scene, _, _ = two_layers
+    floor = bpy.data.objects["Floor"]
+    floor.data.uv_layers.new(name="UVMap")
+    floor.select_set(True)
+    bpy.context.view_layer.objects.active = floor
+    with pytest.raises(RuntimeError, match="does not support baking"):
+        bpy.ops.object.bake(type="DIFFUSE")
