@@ -20,13 +20,15 @@ void DirectLight::light(const Block& block, std::span<const Luminaire> luminaire
     PixelLight& pixel = out[lit.pixel];
     for (size_t i = 0; i < luminaires.size(); ++i) {
       const uint64_t index = lit.stream * luminaires.size() + i;
-      const Estimate one = from(luminaires[i], point, {index, hash_of(index)}, tally, parts);
+      Parts apart;
+      const Estimate one =
+          from(luminaires[i], point, {index, hash_of(index)}, tally, parts ? &apart : nullptr);
       pixel.radiance += lit.throughput * one.radiance;
       pixel.points += one.points;
       if (parts)
         add_light(parts->of(lit.pixel), luminaires[i], lit,
-                  {lit.throughput * one.diffuse.seen, lit.throughput * one.diffuse.unshadowed},
-                  {lit.throughput * one.glossy.seen, lit.throughput * one.glossy.unshadowed});
+                  {lit.throughput * apart.diffuse.seen, lit.throughput * apart.diffuse.unshadowed},
+                  {lit.throughput * apart.glossy.seen, lit.throughput * apart.glossy.unshadowed});
       pixel.at_limit = pixel.at_limit || one.at_limit;
       variance[lit.pixel] += lit.throughput * lit.throughput * one.variance;
       if (tally.trace)
@@ -42,7 +44,7 @@ void DirectLight::light(const Block& block, std::span<const Luminaire> luminaire
 }
 
 DirectLight::Estimate DirectLight::from(const Luminaire& luminaire, const ShadingPoint& point,
-                                        const StreamKey& key, LightTally& tally, bool apart) const {
+                                        const StreamKey& key, LightTally& tally, Parts* parts) const {
   if (!point.material.reflects() || luminaire.unseen_from(point.surface)) {
     ++tally.decided_without_ray;
     return {};
@@ -76,7 +78,7 @@ DirectLight::Estimate DirectLight::from(const Luminaire& luminaire, const Shadin
       const float *x = points.x + packet, *y = points.y + packet, *z = points.z + packet;
       std::fill(f + size, f + kPacket, 0.0f);  // generated, but not asked for
       alignas(64) int ray_of[kPacket] = {};
-      if (apart) {
+      if (parts) {
         std::copy(f, f + kPacket, unshadowed);
         if (point.has_glossy) evaluate_glossy(point, x, y, z, unshadowed, size, unshadowed_specular);
         weigh_diffuse(point, x, y, z, size, unshadowed);
@@ -95,7 +97,7 @@ DirectLight::Estimate DirectLight::from(const Luminaire& luminaire, const Shadin
         done = rule.enough(moments);
         until_check = rule.next_check(uint32_t(moments.count));
       }
-      for (uint32_t i = 0; apart && i < added; ++i) {
+      for (uint32_t i = 0; parts && i < added; ++i) {
         all_diffuse += double(unshadowed[i]);
         if (point.has_glossy) all_glossy += double(unshadowed_specular[i]);
       }
@@ -105,13 +107,11 @@ DirectLight::Estimate DirectLight::from(const Luminaire& luminaire, const Shadin
   tally.light_points += uint64_t(moments.count);
   tally.shadow_rays += traced;
   if (traced == 0) ++tally.decided_without_ray;
-  Estimate result{moments.mean(diffuse, glossy), moments.variance_of_mean(diffuse, glossy),
-                  uint64_t(moments.count), !done && !luminaire.is_point()};
-  if (apart) {
-    result.diffuse = {moments.mean(diffuse, {}), diffuse * (all_diffuse / moments.count)};
-    result.glossy = {moments.mean({}, glossy), glossy * (all_glossy / moments.count)};
-  }
-  return result;
+  if (parts && moments.count > 0)
+    *parts = {{moments.mean(diffuse, {}), diffuse * (all_diffuse / moments.count)},
+              {moments.mean({}, glossy), glossy * (all_glossy / moments.count)}};
+  return {moments.mean(diffuse, glossy), moments.variance_of_mean(diffuse, glossy), uint64_t(moments.count),
+          !done && !luminaire.is_point()};
 }
 
 }  // namespace penumbra

@@ -25,10 +25,12 @@ class DirectLight final : public Lighting {
     Vec3d radiance, variance;
     uint64_t points = 0;
     bool at_limit = false;
-    LobeLight diffuse = {}, glossy = {};  // its parts, if they are wanted
+  };
+  struct Parts {
+    LobeLight diffuse, glossy;
   };
   Estimate from(const Luminaire& luminaire, const ShadingPoint& point, const StreamKey& key,
-                LightTally& tally, bool apart) const;
+                LightTally& tally, Parts* parts) const;
 
   const Geometry& geometry_;
   const Sampler& sampler_;

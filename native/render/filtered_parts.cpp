@@ -38,7 +38,7 @@ void FilteredParts::add(const SamplePacket& packet, std::span<const SampleRun> r
   }
   if (mirrored_.empty()) return;
   for (const Contribution& one : packet.contributions())
-    if (one.mirrored)
+    if (packet.mirrored(one))
       mirrored_[size_t(packet.pixel(one.lane)) * frame_.slot_count + one.slot] += one.unshadowed;
 }
 

@@ -48,6 +48,12 @@ uint64_t SamplePacket::frame_pixel(uint32_t p) const {
          p % frame_.block_width;
 }
 
+bool SamplePacket::mirrored(const Contribution& one) const {
+  const uint32_t bounce = one.slot / lobes_ / luminaires_;
+  return std::ranges::any_of(
+      points_, [&](const LitPoint& p) { return p.pixel == one.lane && p.bounce == bounce && p.mirrored; });
+}
+
 void SamplePacket::trace(std::span<const SampleRun> runs) {
   tally_.light.stop_if_cancelled();
   find_points(runs);
@@ -172,7 +178,7 @@ void SamplePacket::light(std::span<const SampleRun> runs, uint32_t l, uint32_t b
       float weight = sampled;
       weigh_diffuse(shading, &to_light.x, &to_light.y, &to_light.z, 1, &weight);
       const double mean = form_factors[i] * colour.weight;
-      contributions_.push_back({lane, s, diffuse, size * double(weight) / mean, ray, lit.mirrored});
+      contributions_.push_back({lane, s, diffuse, size * double(weight) / mean, ray});
     }
     if (!shading.has_glossy || !luminaire.role().glossy) continue;
     // No closed form: the sampled value itself stands for the unshadowed one.
@@ -181,8 +187,7 @@ void SamplePacket::light(std::span<const SampleRun> runs, uint32_t l, uint32_t b
     const Vec3d specular = lit.material->has_glossy_lobes ? arriving * lobe.glossy
                                                           : arriving * lit.material->phong * lobe.weight;
     if (lobe.weight > 0)
-      contributions_.push_back(
-          {lane, s + 1, specular, max_abs(specular) * display_scale_, ray, lit.mirrored});
+      contributions_.push_back({lane, s + 1, specular, max_abs(specular) * display_scale_, ray});
   }
 }
 

@@ -23,7 +23,6 @@ struct Contribution {
   Vec3d unshadowed;
   double weight;  // of the sampled point on the luminaire, display units
   int64_t ray;    // number among the packet's shadow rays; kNoRay: none was wanted
-  bool mirrored;  // came by way of mirrors
 };
 inline constexpr int64_t kNoRay = -1;
 
@@ -65,6 +64,8 @@ class SamplePacket {
   uint32_t pixel(uint32_t lane) const { return lanes_[lane].pixel; }
 
   const std::vector<Contribution>& contributions() const { return contributions_; }
+  /// It came by way of mirrors.
+  bool mirrored(const Contribution& one) const;
   bool sees(const Contribution& one) const { return visible_[size_t(one.ray)]; }
 
  private:
