@@ -147,3 +147,36 @@ def test_shadow_is_the_visible_share_of_a_half_hidden_luminaire(settings):
     shadow = passes["Shadow"].mean(axis=(0, 2))
     np.testing.assert_allclose(shadow, expected, atol=0.03)
     assert abs((shadow - expected).mean()) < 2e-3
+
+
+@pytest.mark.parametrize("pixel_samples", [1, 2], ids=["centre", "antialiased"])
+def test_many_luminaires_that_count_as_one_stay_in_their_light_groups(pixel_samples):
+    """60 luminaires of two groups in turns, so that neighbours are of different ones: each group's pass against a
+    scene with its luminaires alone, within twice the tolerance (both keep it), and both together are Combined."""
+    groups = ["Combined_even", "Combined_odd"]
+    settings = {"stop_rule": "BOUNDED", "pixel_samples": pixel_samples, "error_tolerance": 0.01}
+
+    def scene_of(kept):
+        scene = pn.Scene()
+        numbers = [scene.add_light_group(name.removeprefix("Combined_")) for name in groups]
+        add(scene, "floor", floor())
+        add(scene, "crate", box([-0.4, -0.4, 0], [0.4, 0.4, 0.5]))
+        for i in range(60):
+            if i % 2 not in kept:
+                continue
+            scene.set_traits(light_group=numbers[i % 2])
+            place = translation(0.4 * (i % 10) - 1.8, 0.5 * (i // 10) - 1.2, 1.5)
+            colour = ((0.6, 0.1, 0.1), (0.1, 0.1, 0.8))[i % 2]
+            scene.add_area_light(f"light {i}", "RECTANGLE", place, (0.1, 0.1), np.multiply(8, colour))
+        look_down(scene, half=1.5)
+        return scene
+
+    def passes_of(*kept):
+        return render(scene_of(kept), 32, passes=["Combined", *groups], **settings).passes
+
+    together = passes_of(0, 1)
+    np.testing.assert_allclose(sum(together[name] for name in groups), together["Combined"][..., :3], rtol=2e-6)
+    for number, name in enumerate(groups):
+        alone = passes_of(number)["Combined"][..., :3]
+        error = np.abs(together[name] - alone).max(-1)
+        assert alone.max() > 0.1 and (error > 0.02).mean() < 0.01
