@@ -167,7 +167,7 @@ def test_many_luminaires_that_count_as_one_stay_in_their_light_groups(pixel_samp
             scene.set_traits(light_group=numbers[i % 2])
             place = translation(0.4 * (i % 10) - 1.8, 0.5 * (i // 10) - 1.2, 1.5)
             colour = ((0.6, 0.1, 0.1), (0.1, 0.1, 0.8))[i % 2]
-            scene.add_area_light(f"light {i}", "RECTANGLE", place, (0.1, 0.1), np.multiply(8, colour))
+            scene.add_area_light(f"light {i}", "RECTANGLE", place, (0.1, 0.1), np.multiply(60, colour))
         look_down(scene, half=1.5)
         return scene
 
