@@ -107,7 +107,8 @@ std::vector<ExtraPasses::Rank> ExtraPasses::ranks(Matte matte, const PixelParts&
   return result;
 }
 
-void ExtraPasses::value(const Pass& pass, const SeenObject& seen, const PixelParts& pixel, double* out) const {
+void ExtraPasses::value(const Pass& pass, const SeenObject& seen, const PixelParts& pixel,
+                        double* out) const {
   const auto store = [out](const Vec3d& v) { out[0] = v.x, out[1] = v.y, out[2] = v.z; };
   const bool hit = seen.instance != Hit::kNone;
   switch (pass.kind) {
@@ -121,8 +122,7 @@ void ExtraPasses::value(const Pass& pass, const SeenObject& seen, const PixelPar
       out[0] = 1 - pixel.parts[kClearness].x;
       return;
     case Kind::kUv:
-      if (scene_.uv_attribute() && interpolate(seen.place, *scene_.uv_attribute(), out))
-        out[2] = 1;
+      if (scene_.uv_attribute() && interpolate(seen.place, *scene_.uv_attribute(), out)) out[2] = 1;
       return;
     case Kind::kObjectIndex:
       out[0] = hit ? double(geometry_.traits_of(seen.instance).pass_index) : 0;

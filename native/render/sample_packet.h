@@ -55,10 +55,11 @@ class SamplePacket {
   // Of the last packet, by lane:
   double dx[kPacket], dy[kPacket];  // place, pixels from the pixel's centre
   PathEnd ends[kPacket];
-  double charge[kPacket];                     // error of dim luminaires that were left out, display units
-  uint32_t rays_of[kPacket];                  // shadow rays
-  std::optional<LightParts> parts;            // only where passes want them: all but the contributions,
-  std::vector<std::vector<MatteHit>> mattes;  // and these
+  double charge[kPacket];     // error of dim luminaires that were left out, display units
+  uint32_t rays_of[kPacket];  // shadow rays
+  // Only where passes want them:
+  std::optional<LightParts> parts;  // of all but the contributions
+  std::vector<std::vector<MatteHit>> mattes;
   std::vector<SeenObject> seen;
 
   uint32_t pixel(uint32_t lane) const { return lanes_[lane].pixel; }
