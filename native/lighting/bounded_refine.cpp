@@ -47,8 +47,11 @@ TileRefiner::TileRefiner(const ItemSampler& sampler, const std::vector<LitPoint>
     : sampler_(sampler), points_(points), block_(block), settings_(settings) {}
 
 double TileRefiner::error(const BoundedItem& item, const TileItems& items) const {
+  if (item.facing == 0) return item.size();  // all points below the horizon tell nothing
+  // Where a luminaire is mostly below it, only the points above count as points.
   const double n = item.count, p = (item.lit + 1.0) / (item.facing + 2.0);
-  const double smoothed = calibration_.smoothed * item.size() * std::sqrt(p * (1 - p)) * std::pow(n, -0.75);
+  const double smoothed =
+      calibration_.smoothed * item.size() * std::sqrt(p * (1 - p)) * std::pow(item.facing, -0.75);
   double sum = 0;
   int count = 0;
   items.for_neighbours(item, kPool, [&](const BoundedItem& other) {

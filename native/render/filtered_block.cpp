@@ -158,6 +158,7 @@ void FilteredBlock::add_light(std::span<const SampleRun> runs) {
     slot.now.unshadowed += one.unshadowed;
     if (seen) values[one.lane] += one.unshadowed;
     if (!traced) continue;
+    ++slot.rays;
     slot.now.w += one.weight;
     slot.now.wv += seen ? one.weight : 0.0;
     (seen ? slot.lit : slot.dark) = true;
@@ -223,8 +224,12 @@ void FilteredBlock::find_uncertain() {
       flags[p] = uint8_t((slots(p)[s].lit ? kLit : 0) | (slots(p)[s].dark ? kDark : 0));
     spread(flags, block_.width, block_.height, kGateReach);
     const bool wide = c_.luminaires[s / (frame_.glossy ? 2 : 1) % c_.luminaires.size()].is_wide();
-    for (uint32_t p = 0; p < block_.pixels(); ++p)
-      if (flags[p] == (kLit | kDark) || (wide && flags[p])) mark_uncertain(p, s);
+    for (uint32_t p = 0; p < block_.pixels(); ++p) {
+      const Slot& slot = slots(p)[s];
+      // All points of the first look lay below the horizon, and yet light arrives.
+      const bool blind = !slot.lit && !slot.dark && max_abs(slot.now.unshadowed) > 0;
+      if (flags[p] == (kLit | kDark) || (wide && flags[p]) || blind) mark_uncertain(p, s);
+    }
   }
   for (uint32_t p = 0; p < block_.pixels(); ++p) mark_unseen(p);
 }

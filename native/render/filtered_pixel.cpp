@@ -84,7 +84,20 @@ double FilteredPixel::prior_variance(std::span<const Slot> slots, double display
   // As if one more sample had seen the opposite: samples that agree are no proof.
   const double opposite = std::max(mean, max_abs(unshadowed(slots)) * display_scale);
   const double spread = std::max(xx / n - mean * mean, 0.0) + opposite * opposite / n;
-  return std::max(spread, opaque * (1 - opaque)) * std::pow(n, -2 * exponent);
+  return std::max(std::max(spread, opaque * (1 - opaque)) * std::pow(n, -2 * exponent),
+                  blind_variance(slots, display_scale, exponent));
+}
+
+/// Of luminaires mostly below the horizon: only samples of what is above tell how much of it is seen.
+double FilteredPixel::blind_variance(std::span<const Slot> slots, double display_scale,
+                                     double exponent) const {
+  double sum = 0;
+  for (const Slot& slot : slots) {
+    if (!slot.uncertain || 2 * slot.rays >= count) continue;
+    const double size = max_abs(slot.now.unshadowed) / count * display_scale;
+    sum += size * size * (slot.rays ? 0.25 * std::pow(slot.rays, -2 * exponent) : 1.0);
+  }
+  return sum;
 }
 
 void FilteredPixel::remember_power(std::span<Slot> slots) {

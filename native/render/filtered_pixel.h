@@ -28,6 +28,7 @@ struct Slot {
   Vec3d fitted;  // unshadowed radiance at the pixel's centre, by a plane through the first samples
   bool lit = false, dark = false;  // seen by some ray
   bool uncertain = false;
+  uint32_t rays = 0;  // samples whose point on the luminaire was above the horizon, and looked at
 
   /// Radiance from `s`, sums over `count` samples: unshadowed mean x visible fraction.
   Vec3d radiance(const SlotSums& s, double count) const { return s.unshadowed / count * visible(s); }
@@ -66,6 +67,7 @@ struct FilteredPixel {
   /// Of the estimate, from the spread of the samples alone, display units squared; with the exponent e of the
   /// standard error's n^-e.
   double prior_variance(std::span<const Slot> slots, double display_scale, double exponent) const;
+  double blind_variance(std::span<const Slot> slots, double display_scale, double exponent) const;
   /// Half of the first level is done.
   void remember_power(std::span<Slot> slots);
   /// After the samples up to `count`, a level: the variance that its blocks tell; remembers the sums.
