@@ -21,7 +21,7 @@ uint32_t halo(const PixelFilter& filter) {
 /// Quantiles as in BoundedCalibration; smoothed standard error c s n^-0.65 of samples with standard deviation
 /// s (between n^-5/8, of an edge in four dimensions, and n^-3/4, in two), worth so many neighbours. The lens
 /// adds two dimensions.
-constexpr double kStop = 2.7, kReport = 2.2, kSmoothed = 1.0, kPriorWeight = 6.0, kTileWeight = 4.0;
+constexpr double kStop = 3.0, kReport = 2.2, kSmoothed = 1.0, kPriorWeight = 6.0, kTileWeight = 4.0;
 
 /// First samples whose unshadowed values leave a plane by more than this share of the tolerance want more
 /// rays.
