@@ -23,6 +23,9 @@ surface that faces it."""
 PRINCIPLED_HAS_LAYERS = bpy.app.version >= (4, 0, 0)
 """The Principled BSDF is made of layers since Blender 4.0, of Burley's closures before."""
 
+DEFAULT_SURFACE_IS_PRINCIPLED = bpy.app.version >= (5, 0, 0)
+"""What has no material is rendered with an untouched Principled BSDF since Blender 5.0, 80 % grey before."""
+
 GGX_IS_CORRELATED = bpy.app.version >= (3, 5, 0)
 """Cycles' microfacets know of masking and shadowing together since Blender 3.5."""
 

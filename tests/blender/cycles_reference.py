@@ -5,9 +5,8 @@ Cycles runs with the settings of helpers.use_cycles_as_reference: direct light o
 Its own noise is measured from two seeds in each test, so that a tolerance can be read as so many times the noise.
 """
 
-import bpy
 import numpy as np
-from helpers import diffuse_material, render_pixels, use_cycles_as_reference
+from helpers import render_pixels, use_cycles_as_reference
 
 INDEX_PASSES = ("IndexOB", "Object Index")
 """The object index pass up to Blender 4.5 and since."""
@@ -15,30 +14,15 @@ INDEX_PASSES = ("IndexOB", "Object Index")
 NORMAL_TOLERANCE = 5e-5
 """Cycles keeps vertex normals in 16 bits since Blender 5 (seen: 3.1e-5)."""
 
-NO_MATERIAL_IS_PRINCIPLED = bpy.app.version >= (5, 0, 0)
-"""What Cycles shows of an object without material: a grey Lambertian surface, or the default Principled BSDF."""
-
-
-def make_lambertian(scene) -> None:
-    """Gives what has no material the grey Lambertian one that it has in older versions by itself."""
-    if not NO_MATERIAL_IS_PRINCIPLED:
-        return
-    for scene_object in scene.objects:
-        if scene_object.type == "MESH" and not any(scene_object.data.materials):
-            scene_object.data.materials.clear()
-            scene_object.data.materials.append(diffuse_material("Grey"))
-
 
 def render_with_penumbra(scene, light_samples: int = 1024) -> dict[str, np.ndarray]:
     """All passes, with the same number of light points everywhere."""
-    make_lambertian(scene)
     scene.penumbra.stop_rule, scene.penumbra.light_samples = "FIXED", light_samples
     return render_pixels(scene, "PENUMBRA")
 
 
 def render_with_cycles(scene, samples: int, seed: int = 0) -> dict[str, np.ndarray]:
     """All passes; every object gets a `pass_index` of its own, so that object_index() tells them apart (0: nothing)."""
-    make_lambertian(scene)
     for index, scene_object in enumerate(scene.objects, start=1):
         scene_object.pass_index = index
     scene.view_layers[0].use_pass_object_index = True

@@ -3,6 +3,7 @@
 
 import os
 import subprocess
+import sys
 import tempfile
 from pathlib import Path
 
@@ -48,8 +49,24 @@ def read_metadata(path) -> dict[str, object]:
     return {attribute.name: attribute.value for attribute in oiio.ImageBuf(str(path)).spec().extra_attribs}
 
 
-def render_to_file(scene, engine: str, path) -> None:
-    """Renders all passes of `scene` with `engine` into a 32-bit multilayer EXR; RuntimeError if the render fails."""
+def make_lambertian(scene) -> None:
+    """Gives what has no material the grey Lambertian one that it has before Blender 5.0 by itself."""
+    if not compat.DEFAULT_SURFACE_IS_PRINCIPLED:
+        return
+    for scene_object in scene.objects:
+        materials = getattr(scene_object.data, "materials", None)
+        if materials is not None and not any(materials):
+            materials.clear()
+            materials.append(diffuse_material("Grey"))
+
+
+def render_to_file(scene, engine: str, path, lambertian: bool = True) -> None:
+    """Renders all passes of `scene` with `engine` into a 32-bit multilayer EXR; RuntimeError if the render fails.
+
+    `lambertian`: what has no material is 80 % grey in any version, as most oracles want it.
+    """
+    if lambertian:
+        make_lambertian(scene)
     scene.render.engine = engine
     assert scene.render.engine == engine
     image = scene.render.image_settings
@@ -61,11 +78,11 @@ def render_to_file(scene, engine: str, path) -> None:
     bpy.ops.render.render(write_still=True, scene=scene.name)
 
 
-def render_pixels(scene, engine: str = "PENUMBRA") -> dict[str, np.ndarray]:
-    """Renders `scene` with `engine`: pass name -> (height, width, channels) float32, row 0 = bottom (see read_exr)."""
+def render_pixels(scene, engine: str = "PENUMBRA", lambertian: bool = True) -> dict[str, np.ndarray]:
+    """Renders `scene` as render_to_file does: pass name -> (height, width, channels) float32, see read_exr."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "render.exr"
-        render_to_file(scene, engine, path)
+        render_to_file(scene, engine, path, lambertian)
         return read_exr(path)
 
 
@@ -209,6 +226,17 @@ def run_blender(
             cwd=cwd, timeout=timeout, env={**os.environ, **variables, **(environment or {})},
             capture_output=True, text=True, errors="replace", check=False,
         )  # fmt: skip
+
+
+def run_script(script, environment: dict | None = None) -> subprocess.CompletedProcess:
+    """A Python script in another Blender (see run_blender), or in another Python where Blender is the module bpy."""
+    if bpy.app.binary_path:
+        return run_blender("--python-exit-code", "1", "-P", script, environment=environment)
+    variables = {**os.environ, **(environment or {})}
+    return subprocess.run(
+        [sys.executable, script], timeout=120, env=variables, capture_output=True, text=True, errors="replace",
+        check=False,
+    )  # fmt: skip
 
 
 def command_line(addon: str, blend_file) -> list:

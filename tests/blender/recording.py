@@ -101,11 +101,14 @@ class Recording:
         return self.mesh_of(name).positions @ instance.matrix[:3, :3].T + instance.matrix[:3, 3]
 
 
-def record(scene, monkeypatch) -> Recording:
-    """Renders `scene` with Penumbra and returns what was exported, with `pixels` and `notes` of the render."""
+def record(scene, monkeypatch, lambertian: bool = True) -> Recording:
+    """Renders `scene` with Penumbra and returns what was exported, with `pixels` and `notes` of the render.
+
+    `lambertian`: see helpers.render_to_file.
+    """
     recording = Recording(native.module)
     with monkeypatch.context() as patch:
         patch.setattr(native, "module", recording)
-        recording.pixels = render_pixels(scene)
+        recording.pixels = render_pixels(scene, lambertian=lambertian)
     recording.notes = statistics.last_render["warnings"]
     return recording

@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 import pytest
 from cycles_reference import away_from_edges, colour, converge_cycles, relative_rmse, render_with_penumbra
-from helpers import add_plane, diffuse_material, render_pixels
+from helpers import add_plane, diffuse_material, render_pixels, use_cycles_as_reference
 from material_scenes import GLOSSY, PRINCIPLED, Tree, show
 from penumbra import compat, statistics
 
@@ -101,6 +101,23 @@ def test_principled(scene, name):
         assert_matches(scene, 3e-2, times_noise=0)
     else:
         assert_matches(scene, 3e-3)
+
+
+def test_without_material(scene):
+    """Up to Blender 4.5 80 % grey; since 5.0 the untouched Principled BSDF, the very picture of a new material."""
+    tree = Tree()
+    objects = show(scene, tree.finish(tree.add(PRINCIPLED).outputs[0]))
+    touched = render_pixels(scene)
+    for one in objects:
+        one.data.materials.clear()
+    objects[0].data.materials.append(None)
+    ours = render_pixels(scene, lambertian=False)
+    assert statistics.last_render["warnings"] == []
+    assert np.array_equal(ours["Combined"], touched["Combined"]) == compat.DEFAULT_SURFACE_IS_PRINCIPLED
+    use_cycles_as_reference(scene, 512)
+    expected = colour(render_pixels(scene, "CYCLES", lambertian=False))
+    difference = (colour(ours) - expected)[expected.min(-1) > 0]
+    assert abs(difference.mean()) < (3e-2 if compat.DEFAULT_SURFACE_IS_PRINCIPLED else 3e-3) * expected.mean()
 
 
 @pytest.mark.skipif(compat.PRINCIPLED_HAS_LAYERS, reason="another sheen since Blender 4.0")

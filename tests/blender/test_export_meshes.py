@@ -7,6 +7,7 @@ import bpy
 import numpy as np
 import pytest
 from helpers import add_cube, add_mesh, add_plane, diffuse_material, link
+from recording import record
 
 
 def corner_normals_by_hand(mesh) -> np.ndarray:
@@ -160,12 +161,13 @@ def test_slots_linked_to_data_and_to_the_object(lit_scene, recorded):
     assert names == {"First": ["R", "G"], "Second": ["R", "B"]}
 
 
-def test_no_slot_and_an_empty_slot_are_grey(lit_scene, recorded):
+def test_no_slot_and_an_empty_slot_are_the_same(lit_scene, monkeypatch):
     add_cube(lit_scene, "None")
     empty = add_cube(lit_scene, "Empty", location=(3, 0, 0))
     empty.data.materials.append(None)
-    found = recorded()
-    assert [m.diffuse for m in found.materials] == [(0.8, 0.8, 0.8)]
+    found = record(lit_scene, monkeypatch, lambertian=False)
+    assert [m.name for m in found.materials] == ["(no material)"]
+    assert [i.materials for i in found.instances] == [[0], [0]]
     assert found.notes == []
 
 

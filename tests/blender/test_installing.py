@@ -7,7 +7,7 @@ import zipfile
 
 import bpy
 import pytest
-from helpers import REPOSITORY, command_line, read_exr, run_blender
+from helpers import REPOSITORY, command_line, read_exr, run_blender, run_script
 
 HAS_EXTENSIONS = bpy.app.version >= (4, 2, 0)
 
@@ -31,11 +31,8 @@ def user(tmp_path):
         ("BLENDER_USER_RESOURCES", "BLENDER_USER_CONFIG", "BLENDER_USER_SCRIPTS"), str(home))}  # fmt: skip
 
 
-def succeed(*arguments, **options) -> str:
-    """What Blender printed; its exit code must be 0."""
-    process = run_blender(*arguments, **options)
+def assert_success(process) -> None:
     assert process.returncode == 0, process.stdout + process.stderr
-    return process.stdout
 
 
 def assert_lit(path) -> None:
@@ -51,38 +48,47 @@ def test_both_zips_hold_one_native_module_and_only_the_extension_a_manifest(zips
         assert ("blender_manifest.toml" in names) == (kind == "extension")
 
 
+RENDER = """
+bpy.ops.wm.open_mainfile(filepath={blend_file!r})
+engines = {{cls.bl_idname: cls.__module__ for cls in bpy.types.RenderEngine.__subclasses__()}}
+assert engines["PENUMBRA"] == "{addon}.engine", engines
+bpy.context.scene.render.image_settings.file_format = "OPEN_EXR"
+bpy.context.scene.render.filepath = {output!r}
+bpy.ops.render.render(write_still=True)
+"""
+
+
+def install_and_render(commands: str, addon: str, blend_file, user, folder) -> None:
+    """Runs a script of `commands` that install and enable the add-on, and that renders the file with it then."""
+    script, output = folder / "install.py", folder / "out.exr"
+    render = RENDER.format(blend_file=str(blend_file), addon=addon, output=str(output))
+    script.write_text("import bpy\n" + commands + render)
+    assert_success(run_script(script, user))
+    assert_lit(output)
+
+
 def test_the_legacy_zip_by_the_preferences(blend_file, zips, user, tmp_path):
-    script = tmp_path / "install.py"
-    script.write_text(f"""
-import bpy
+    commands = f"""
 bpy.ops.preferences.addon_install(filepath={zips["legacy"]!r})
 bpy.ops.preferences.addon_enable(module="penumbra")
-bpy.ops.wm.open_mainfile(filepath={str(blend_file)!r})
-assert bpy.context.scene.render.engine == "PENUMBRA"
-bpy.context.scene.render.image_settings.file_format = "OPEN_EXR"
-bpy.context.scene.render.filepath = {str(tmp_path / "out.exr")!r}
-bpy.ops.render.render(write_still=True)
-""")
-    succeed("--python-exit-code", "1", "-P", script, environment=user)
-    assert_lit(tmp_path / "out.exr")
+"""
+    install_and_render(commands, "penumbra", blend_file, user, tmp_path)
+
+
+@pytest.mark.skipif(not HAS_EXTENSIONS, reason="extensions came with Blender 4.2")
+def test_the_extension_zip_by_the_preferences(blend_file, zips, user, tmp_path):
+    commands = f"""
+bpy.ops.extensions.package_install_files(repo="user_default", filepath={zips["extension"]!r}, enable_on_install=True)
+"""
+    install_and_render(commands, "bl_ext.user_default.penumbra", blend_file, user, tmp_path)
 
 
 @pytest.mark.skipif(not HAS_EXTENSIONS, reason="extensions came with Blender 4.2")
 def test_the_extension_zip_by_the_command_line(blend_file, zips, user):
-    succeed("--command", "extension", "validate", zips["extension"], environment=user)
-    succeed("--command", "extension", "install-file", "--repo", "user_default", zips["extension"], environment=user)
-    succeed("--offline-mode", *command_line("bl_ext.user_default.penumbra", blend_file), environment=user)
+    for arguments in (
+        ("--command", "extension", "validate", zips["extension"]),
+        ("--command", "extension", "install-file", "--repo", "user_default", zips["extension"]),
+        ("--offline-mode", *command_line("bl_ext.user_default.penumbra", blend_file)),
+    ):
+        assert_success(run_blender(*arguments, environment=user))
     assert_lit(blend_file.parent / "out_0001.exr")
-
-
-@pytest.mark.skipif(bool(bpy.app.binary_path), reason="the other tests show it in a Blender with a command line")
-def test_the_extension_zip_by_bpy(zips, user, tmp_path):
-    script = tmp_path / "install.py"
-    script.write_text(f"""
-import bpy
-bpy.ops.extensions.package_install_files(repo="user_default", filepath={zips["extension"]!r}, enable_on_install=True)
-engines = {{cls.bl_idname: cls.__module__ for cls in bpy.types.RenderEngine.__subclasses__()}}
-assert engines["PENUMBRA"] == "bl_ext.user_default.penumbra.engine", engines
-""")
-    process = subprocess.run([sys.executable, script], env=user, capture_output=True, text=True, check=False)
-    assert process.returncode == 0, process.stdout + process.stderr

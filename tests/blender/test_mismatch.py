@@ -8,7 +8,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from helpers import command_line, run_blender
+from helpers import command_line, run_blender, run_script
 from penumbra import native
 
 MODULE = Path(native.module.__file__)
@@ -60,6 +60,6 @@ def test_another_version_of_embree_in_the_process_is_said_in_the_preferences(scr
     script = tmp_path / "preferences.py"
     script.write_text(SHOW_PREFERENCES)
     _, environment = scripts()
-    process = run_blender("-P", script, environment={**environment, "LD_PRELOAD": str(library)})
+    process = run_script(script, {**environment, "LD_PRELOAD": str(library)})
     assert process.returncode == 0
     assert re.search(r"PREFERENCES The native module .*built for Embree \d, but .* has Embree 2", process.stdout)

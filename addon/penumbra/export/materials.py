@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Materials: the paper's BRDF where a material is no more than that (see brdf.py), else a program (see shader/).
 
-One note per material says what was left out. As in Cycles, a material whose surface is not linked is black, an empty
-slot grey.
+One note per material says what was left out. As in Cycles, a material whose surface is not linked is black; what
+an empty slot is depends on the version.
 """
 
 from typing import NamedTuple
@@ -13,7 +13,7 @@ from .. import compat
 from ..notes import Notes
 from .brdf import GREY, Brdf, Lobe, NotThePapers, combine, lobes_of
 from .errors import ExportError
-from .shader import AttributeNames, Compiler, Images, Shaders
+from .shader import AttributeNames, Compiler, Images, Shaders, default_surface
 from .traits import Traits
 
 NOT_REFLECTING = ("phong", "emission", "transparent", "holdout")
@@ -72,7 +72,7 @@ class Materials:
     def _of(self, material) -> Exported:
         if material is None:
             if self._default is None:
-                self._default = Exported(self._scene.add_material("(no material)", diffuse=GREY))
+                self._default = self._export_default("(no material)")
                 self._traits.set_for_material(self._default.number, None)
             return self._default
         key = material.as_pointer()
@@ -80,6 +80,13 @@ class Materials:
             self._exported[key] = self._export(material)
             self._traits.set_for_material(self._exported[key].number, material)
         return self._exported[key]
+
+    def _export_default(self, name: str) -> Exported:
+        if not compat.DEFAULT_SURFACE_IS_PRINCIPLED:
+            return Exported(self._scene.add_material(name, diffuse=GREY))
+        compiler = Compiler(name, self.attributes, self._images, [], self._operations)
+        default_surface(compiler)
+        return Exported(self._scene.add_program(name, **compiler.program.arrays()))
 
     def _export(self, material) -> Exported:
         issues: list[str] = []

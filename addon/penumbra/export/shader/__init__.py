@@ -6,6 +6,7 @@ from . import nodes_colours, nodes_surface, nodes_textures, nodes_values  # noqa
 from .attributes import AttributeNames, at_corners
 from .closures import Shaders
 from .compiler import Compiler
+from .default_surface import default_surface
 from .images import Images
 
-__all__ = ["AttributeNames", "Compiler", "Images", "Shaders", "at_corners"]
+__all__ = ["AttributeNames", "Compiler", "Images", "Shaders", "at_corners", "default_surface"]
