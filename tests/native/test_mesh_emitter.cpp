@@ -77,7 +77,9 @@ TEST(Mesh, BallsAreTheirTriangles) {
     const double exact = lambert(mesh, point, n, true), f = luminaire.form_factor(surface_at(point, n));
     const double facing = lambert(mesh, point, -way, true);
     EXPECT_NEAR(f, exact, 2e-4 * facing) << "trial " << trial;
-    if (luminaire.unseen_from(surface_at(point, n))) EXPECT_EQ(exact, 0);
+    if (luminaire.unseen_from(surface_at(point, n))) {
+      EXPECT_EQ(exact, 0);
+    }
     cut += exact > 0 && exact < 0.5 * facing;
   }
   EXPECT_GT(cut, 30);

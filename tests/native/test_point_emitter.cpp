@@ -151,7 +151,9 @@ TEST(Round, PointsLieOnTheSphere) {
     for (uint32_t i = 0; i < kBatch; ++i) {
       const Vec3d to_light{double(points.x[i]), double(points.y[i]), double(points.z[i])};
       EXPECT_NEAR(length(point + to_light - centre), light.radius, 1e-3 * light.radius + 1e-6);
-      if (!inside) EXPECT_LT(dot(point + to_light - centre, to_light), 1e-3);  // the near side
+      if (!inside) {
+        EXPECT_LT(dot(point + to_light - centre, to_light), 1e-3);  // the near side
+      }
     }
   }
 }

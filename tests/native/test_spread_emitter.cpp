@@ -50,7 +50,9 @@ TEST(Spread, FormFactorIsTheIntegral) {
     const Luminaire luminaire(l, {});
     const double exact = brute_force(l, point, n, 600), f = luminaire.form_factor(surface_at(point, n));
     EXPECT_NEAR(f, exact, 1e-2 * exact + 1e-4) << "trial " << trial;
-    if (luminaire.unseen_from(surface_at(point, n))) EXPECT_EQ(exact, 0) << "trial " << trial;
+    if (luminaire.unseen_from(surface_at(point, n))) {
+      EXPECT_EQ(exact, 0) << "trial " << trial;
+    }
     lit += exact > 0.01;
     dark += exact == 0;
   }
