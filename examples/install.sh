@@ -14,7 +14,7 @@ for argument in "$@"; do
   case "$argument" in
     --tests) packages+=(libgtest-dev qemu-user python3-pytest python3-hypothesis python3-openimageio
                         python3-matplotlib xvfb xauth libgl1-mesa-dri) ;;
-    --checks) packages+=(clang libclang-rt-dev python3-venv) ;;
+    --checks) packages+=(clang libclang-rt-dev ccache python3-venv) ;;
     --environments) packages+=(debootstrap) ;;
     --paper) packages+=(python3-matplotlib python3-markdown) ;;
     *)

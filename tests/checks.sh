@@ -2,10 +2,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # What is checked beside the tests, from a fresh Debian 12 machine:
 #   style     ruff and clang-format
-#   clang     Clang builds all without a warning, and the core's tests pass
+#   gcc       GCC builds all, benchmarks too, without a warning
+#   clang     Clang does, and the core's tests pass
 #   sanitize  the core's tests with address and undefined-behaviour sanitizers
 #   wheel     pip install . in a clean environment; NumPy in and out; its type stubs
-#   bash tests/checks.sh [style] [clang] [sanitize] [wheel]      all if left out
+#   bash tests/checks.sh [style] [gcc] [clang] [sanitize] [wheel]      all if left out
 set -euo pipefail
 
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -23,6 +24,11 @@ style() {
   "$tools/bin/ruff" check addon examples tests
   "$tools/bin/ruff" format --check addon examples tests
   git ls-files -z '*.h' '*.cpp' | xargs -0 "$tools/bin/clang-format" --dry-run --Werror
+}
+
+gcc() {
+  cmake --preset gcc
+  cmake --build --preset gcc
 }
 
 clang() {
@@ -49,12 +55,12 @@ wheel() {
 }
 
 checks=("$@")
-[[ $# -gt 0 ]] || checks=(style clang sanitize wheel)
+[[ $# -gt 0 ]] || checks=(style gcc clang sanitize wheel)
 for check in "${checks[@]}"; do
   case "$check" in
-    style | clang | sanitize | wheel) ;;
+    style | gcc | clang | sanitize | wheel) ;;
     *)
-      echo "checks.sh: unknown check '$check' (there are style, clang, sanitize and wheel)" >&2
+      echo "checks.sh: unknown check '$check' (there are style, gcc, clang, sanitize and wheel)" >&2
       exit 2
       ;;
   esac

@@ -2,10 +2,11 @@
 # Debian releases in folders (debootstrap + chroot), kept in a cache outside the repository. To be sourced by bash.
 #
 # Needs root, debootstrap and a Debian mirror: that of this machine's own apt. Mounts live in a mount namespace of each
-# command, so that nothing stays mounted, whatever ends it.
+# command, so that nothing stays mounted, whatever ends it. ROOT.lock is held by whoever works in ROOT (shared) or makes
+# it (exclusive), so that none is thrown away under a running command.
 
 cache=${PENUMBRA_CACHE:-${XDG_CACHE_HOME:-$HOME/.cache}/penumbra}
-inside=/srv  # the home of whoever works in a chroot, and the folder of what is tested there
+inside=/srv  # the home of whoever works in a chroot, with the sources that are tested there; kept when it is made anew
 days_until_stale=14  # sid moves on: what is older is made anew
 
 # The sentence why no chroot can be made here, or nothing.
@@ -34,48 +35,70 @@ enter() {
     cp /etc/ssl/certs/ca-certificates.crt "$root/etc/ssl/certs/"
   fi
   local variables
-  mapfile -t variables < <(env | grep -E '^(CI|CXXFLAGS|PIP_(CERT|DEFAULT_TIMEOUT|INDEX_URL)|[a-z]+_proxy|[A-Z]+_PROXY)=')
-  unshare --mount --pid --fork --kill-child bash -c '
+  mapfile -t variables < <(
+    env | grep -E '^(CI|CXXFLAGS|CMAKE_CXX_COMPILER_LAUNCHER|PIP_(CERT|DEFAULT_TIMEOUT|INDEX_URL)|[a-z]+_proxy|[A-Z]+_PROXY)='
+  )
+  flock --shared "$root.lock" unshare --mount --pid --fork --kill-child bash -c '
     mount -t proc proc "$0/proc" && mount --rbind /dev "$0/dev" && exec chroot "$0" "$@"' \
     "$root" /usr/bin/env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME="$inside" LANG=C.UTF-8 DEBIAN_FRONTEND=noninteractive \
     "${variables[@]}" "$@" </dev/null
 }
 
-# make_chroot SUITE ROOT PACKAGE...: a new one, whole or not at all.
+# make_chroot SUITE ROOT: a new one, whole or not at all.
 make_chroot() {
   local suite=$1 root=$2 new=$2.new
-  shift 2
-  rm -rf "$new" "$root"
+  rm -rf "$new"
   mkdir -p "$(dirname "$root")"
-  debootstrap --variant=minbase "$suite" "$new" $(debian_mirror) >"$new.log" 2>&1 || {
-    tail -n 5 "$new.log"
-    return 1
-  }
-  printf '#!/bin/sh\nexit 101\n' >"$new/usr/sbin/policy-rc.d"  # no service is started
-  chmod +x "$new/usr/sbin/policy-rc.d"
-  echo force-unsafe-io >"$new/etc/dpkg/dpkg.cfg.d/fast"  # what a crash leaves is made anew
-  apt-config dump | grep -E '^Acquire::(https?|Check|Retries)' >"$new/etc/apt/apt.conf.d/01host" || true
-  [[ "$*" != *:arm64* ]] || enter "$new" dpkg --add-architecture arm64
-  enter "$new" apt-get update -qq >>"$new.log" 2>&1 || true  # what is missing is said below
-  enter "$new" apt-get install --yes -qq --no-install-recommends "$@" >>"$new.log" 2>&1 || {
+  debootstrap --variant=minbase --include=ca-certificates "$suite" "$new" $(debian_mirror) >"$new.log" 2>&1 || {
     tail -n 5 "$new.log"
     return 1
   }
   rm "$new.log"
+  printf '#!/bin/sh\nexit 101\n' >"$new/usr/sbin/policy-rc.d"  # no service is started
+  chmod +x "$new/usr/sbin/policy-rc.d"
+  echo force-unsafe-io >"$new/etc/dpkg/dpkg.cfg.d/fast"  # what a crash leaves is made anew
+  apt-config dump | grep -E '^Acquire::(https?|Check|Retries)' >"$new/etc/apt/apt.conf.d/01host" || true
+  if [[ -d $root$inside ]]; then
+    rm -rf "$new$inside"
+    mv "$root$inside" "$new$inside"
+  fi
+  rm -rf "$root"
   mv "$new" "$root"
 }
 
-# ensure_chroot NAME SUITE PACKAGE...: a whole and recent one at $cache/NAME, made of these packages by this recipe.
+# ensure_chroot NAME SUITE: a whole and recent one at $cache/NAME, made by this recipe. One at a time for each NAME.
 ensure_chroot() {
-  local name=$1 root=$cache/$1 recipe
-  shift
-  recipe=$({ declare -f make_chroot; echo "$*"; } | sha256sum)
-  if [[ "$(cat "$root/.penumbra" 2>/dev/null)" == "$recipe" && -z $(find "$root/.penumbra" -mtime +$days_until_stale) ]] &&
-    [[ -z $(enter "$root" dpkg --audit 2>&1) ]]; then
-    return
+  local root=$cache/$1 recipe wait=
+  recipe=$(declare -f make_chroot | sha256sum)
+  if [[ -e $root/.penumbra && -z $(enter "$root" dpkg --audit 2>&1) ]]; then
+    [[ "$(cat "$root/.penumbra")" != "$recipe" || -n $(find "$root/.penumbra" -mtime +$days_until_stale) ]] || return 0
+    wait=--nonblock
   fi
-  echo "== $name: making the environment in $root"
-  make_chroot "$1" "$root" "${@:2}" && echo "$recipe" >"$root/.penumbra"
+  (
+    flock --exclusive $wait 9 || {
+      echo "== $1: older than $days_until_stale days or of another recipe, but someone works in it: taken as it is"
+      exit 0
+    }
+    echo "== $1: making the environment in $root"
+    make_chroot "$2" "$root" && echo "$recipe" >"$root/.penumbra"
+  ) 9>"$root.lock"
+}
+
+# install_packages ROOT PACKAGE...: those that are missing, NAME:arm64 for the other architecture. One at a time.
+install_packages() {
+  local root=$1 native installed missing
+  shift
+  native=$(dpkg --print-architecture)
+  installed=$(enter "$root" dpkg-query --show --showformat '${Package}:${Architecture} ${db:Status-Status}\n' |
+    sed -n "s/ installed$//; T; s/:\(all\|$native\)$//; p")
+  missing=$(printf '%s\n' "$@" | grep -vxF "$installed") || return 0
+  [[ $missing != *:arm64* ]] || enter "$root" dpkg --add-architecture arm64
+  enter "$root" apt-get update -qq >"$root.log" 2>&1 || true  # what is missing is said below
+  enter "$root" apt-get install --yes -qq --no-install-recommends $missing >>"$root.log" 2>&1 || {
+    tail -n 5 "$root.log"
+    return 1
+  }
+  rm "$root.log"
 }
 
 # copy_sources REPOSITORY FOLDER: what git would commit, and nothing else.
