@@ -26,6 +26,12 @@ PRINCIPLED_HAS_LAYERS = bpy.app.version >= (4, 0, 0)
 DEFAULT_SURFACE_IS_PRINCIPLED = bpy.app.version >= (5, 0, 0)
 """What has no material is rendered with an untouched Principled BSDF since Blender 5.0, 80 % grey before."""
 
+ROUGH_DIFFUSE_KEEPS_ENERGY = bpy.app.version >= (4, 3, 0)
+"""Cycles' rough diffuse has light that bounces between its facets since Blender 4.3."""
+
+RAMP_TABLE_SIZE = 257 if bpy.app.version >= (4, 0, 0) else 256
+"""Places at which Cycles evaluates ramps and curves (measured in 3.4.1, 4.3.2 and 5.2.2)."""
+
 GGX_IS_CORRELATED = bpy.app.version >= (3, 5, 0)
 """Cycles' microfacets know of masking and shadowing together since Blender 3.5."""
 

@@ -35,6 +35,7 @@ void add(const ClosureStep& step, const Vec3f* r, float cosine, Closures& out) {
         return;
       }
       lobe.kind = lambert ? LobeKind::kLambert : LobeKind::kOrenNayar;
+      if (!lambert) lobe.edge = oren_nayar_edge(lobe.colour, lobe.edge, lobe.roughness);
       return out.add(lobe);
     case ClosureKind::kDisney:
       lobe.kind = LobeKind::kDisney;

@@ -67,13 +67,30 @@ float clearcoat(float alpha, float cos_half, float cos_view, float cos_light) {
          (4 * cos_view * cos_light);
 }
 
-/// Oren and Nayar 1994 in the form of Fujii's improved model, pi x BRDF.
-float oren_nayar(float sigma, float cos_view, float cos_light, float view_light) {
-  const float scale = 1 / (kPi + (3 * kPi - 4) / 6 * sigma);
-  float t = view_light - cos_light * cos_view;
-  if (t > 0) t /= std::max(cos_light, cos_view);
-  return kPi * scale * (1 + sigma * t);
-}
+/// Oren and Nayar 1994 in the form of Fujii's improved model.
+struct OrenNayar {
+  float sigma, scale;  // pi x BRDF where viewer and light are opposite each other
+
+  explicit OrenNayar(float roughness)
+      : sigma(roughness), scale(1 / (1 + (0.5f - 2 / (3 * kPi)) * roughness)) {}
+
+  /// pi x BRDF.
+  float operator()(float cos_view, float cos_light, float view_light) const {
+    float t = view_light - cos_light * cos_view;
+    if (t > 0) t /= std::max(cos_light, cos_view);
+    return scale * (1 + sigma * t);
+  }
+
+  /// Share of the light from this angle that is reflected at once (Portsmouth, Kutz and Hill 2024, "EON", eq. 17).
+  float albedo(float cosine) const {
+    const float c = std::clamp(cosine, 1e-6f, 1.0f), s = std::sqrt(std::max(1 - c * c, 0.0f));
+    const float g = s * (std::acos(c) - s * c) + 2.0f / 3 * ((s / c) * (1 - s * s * s) - s);
+    return scale * (1 + sigma / kPi * g);
+  }
+
+  /// The mean of albedo() over all directions, weighted with the cosine.
+  float mean_albedo() const { return scale * (1 + sigma * (2.0f / 3 - 28 / (15 * kPi))); }
+};
 
 /// Burley 2012, pi x BRDF.
 float disney(float roughness, float cos_view, float cos_light, float view_light) {
@@ -102,6 +119,15 @@ float bump_shadowing(const Vec3f& smooth, const Vec3f& bumped, const Vec3f& to_l
   return g >= 1 ? 1 : g < 0 ? 0 : g + g * g - g * g * g;
 }
 
+Vec3f oren_nayar_edge(const Vec3f& colour, const Vec3f& albedo, float roughness) {
+  const float mean = OrenNayar(roughness).mean_albedo(), lost = 1 - mean;
+  const auto factor = [&](float c) {
+    c = c > 0 ? std::min(c, 1.0f) : 0;
+    return c * mean / (lost * (1 - c * lost));
+  };
+  return colour * Vec3f{factor(albedo.x), factor(albedo.y), factor(albedo.z)};
+}
+
 LobeValue evaluate_lobe(const Lobe& lobe, const ShadingPoint& point, const Vec3f& to_light) {
   const float cos_light = dot(point.normal, to_light), cos_view = dot(point.normal, point.view);
   if (cos_light <= 0 || cos_view <= 0) return {0, 0};
@@ -114,8 +140,13 @@ LobeValue evaluate_lobe(const Lobe& lobe, const ShadingPoint& point, const Vec3f
   switch (lobe.kind) {
     case LobeKind::kLambert:
       return {bump, 0};
-    case LobeKind::kOrenNayar:
-      return {bump * oren_nayar(lobe.roughness, cos_view, cos_light, view_light), 0};
+    case LobeKind::kOrenNayar: {
+      const OrenNayar model(lobe.roughness);
+      const float once = model(cos_view, cos_light, view_light);
+      if (max_abs(lobe.edge) == 0) return {bump * once, 0};
+      const float again = (1 - model.albedo(cos_view)) * (1 - model.albedo(cos_light));
+      return {bump * (once + again), again / (once + again)};
+    }
     case LobeKind::kDisney:
       return {bump * disney(lobe.roughness, cos_view, cos_light, view_light), 0};
     case LobeKind::kSheen:

@@ -20,6 +20,9 @@ inline Vec3f coloured(const Lobe& lobe, const LobeValue& v) {
   return (lobe.colour * (1 - v.edge) + lobe.edge * v.edge) * v.value;
 }
 
+/// Lobe::edge of a rough diffuse lobe that loses no light between its facets, of this albedo (0 ... 1).
+Vec3f oren_nayar_edge(const Vec3f& colour, const Vec3f& albedo, float roughness);
+
 /// Unpolarised reflectance of a dielectric for light at the angle of this cosine.
 float fresnel_dielectric(float cosine, float ior);
 

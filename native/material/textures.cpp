@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "material/colour_spaces.h"
+#include "material/premultiplied.h"
 
 namespace penumbra {
 namespace {
@@ -107,18 +108,21 @@ std::string Textures::State::open(Entry& entry, const ImageFile& file, size_t nu
   entry.system = &system_of(*entry.image);
   const System& system = *entry.system;
   io::ustring name(file.path);
+  const io::ImageInput::Creator reader = entry.image->is_raw() ? nullptr : Premultiplied::create;
+  io::ImageSpec configuration;
   if (file.bytes) {
     // The texture system knows files by their names; that of a packed one keeps its suffix.
     name = io::ustring("packed-" + std::to_string(&entry - entries.data()) + "-" + std::to_string(number) +
                        "-" + io::Filesystem::filename(file.path));
     readers.push_back(std::make_unique<io::Filesystem::IOMemReader>(file.bytes->data(), file.bytes->size()));
     io::Filesystem::IOProxy* proxy = readers.back().get();
-    io::ImageSpec configuration;
     configuration.attribute("oiio:ioproxy", io::TypeDesc::PTR, &proxy);
     if (entry.image->is_raw()) configuration.attribute("oiio:UnassociatedAlpha", 1);
-    if (!system.images().add_file(name, nullptr, &configuration)) return system.images().geterror();
+    if (!system.images().add_file(name, reader, &configuration)) return system.images().geterror();
   } else if (!io::Filesystem::is_regular(file.path)) {
     return "there is no such file: " + file.path;
+  } else if (reader && !system.images().add_file(name, reader, nullptr)) {
+    return system.images().geterror();
   }
   io::ImageSpec spec;
   if (!system.images().get_imagespec(name, spec)) {

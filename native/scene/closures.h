@@ -11,7 +11,7 @@ namespace penumbra {
 
 enum class LobeKind : uint8_t {
   kLambert,        // of a bumped surface; a smooth one has Closures::diffuse
-  kOrenNayar,      // rough diffuse, as Cycles had it until 4.2
+  kOrenNayar,      // rough diffuse
   kDisney,         // diffuse with retro-reflection: the Principled BSDF before Blender 4.0
   kSheen,          // and its sheen
   kGgx,            // microfacets, coloured by Fresnel's equations
@@ -24,7 +24,8 @@ enum class LobeKind : uint8_t {
 struct Lobe {
   LobeKind kind = LobeKind::kLambert;
   Vec3f colour;         // albedo; microfacets: reflectance at normal incidence
-  Vec3f edge;           // microfacets: reflectance at grazing incidence
+  Vec3f edge;           // microfacets: reflectance at grazing incidence; Oren-Nayar: of light that bounces
+                        // between facets
   float roughness = 0;  // microfacets: alpha; else Blender's own
   float ior = 0;  // microfacets: of the dielectric whose Fresnel term leads from colour to edge; 0: colour; <
                   // 0: Schlick

@@ -160,7 +160,7 @@ def test_a_header_that_promises_too_much_is_refused(scene, tmp_path):
     image = bpy.data.images.new("Bomb", 4, 4)
     image.source, image.filepath = "FILE", str(path)
     (note,) = magenta_and_notes(scene, image)
-    assert "100000 x 100000" in note
+    assert "100000 x 100000" in note or "100000x100000" in note  # OpenImageIO refuses it itself since 2.5
 
 
 def test_a_movie_is_named(scene, tmp_path):

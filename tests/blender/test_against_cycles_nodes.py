@@ -68,8 +68,10 @@ def vector_maths(t, operation):
 
 
 def mapping(t, kind):
-    return t.add("ShaderNodeMapping", {"Vector": t.coordinates("Generated"), "Location": (0.1, 0.2, 0.3),
-                 "Rotation": (0.3, 0.5, 0.7), "Scale": (1, 2, 3)}, vector_type=kind).outputs[0]  # fmt: skip
+    inputs = {"Vector": t.coordinates("Generated"), "Rotation": (0.3, 0.5, 0.7), "Scale": (1, 2, 3)}
+    if kind in ("POINT", "TEXTURE"):
+        inputs["Location"] = (0.1, 0.2, 0.3)
+    return t.add("ShaderNodeMapping", inputs, vector_type=kind).outputs[0]
 
 
 def map_range(t, kind):

@@ -52,7 +52,7 @@ def rotation_of(node, issues: list[str]) -> np.ndarray:
     source = follow(node.inputs["Vector"])
     rotation = np.eye(4)
     if source is not None and source.bl_idname == "ShaderNodeMapping" and not source.mute:
-        values = {name: source.inputs[name] for name in ("Location", "Rotation", "Scale")}
+        values = {socket.name: socket for socket in source.inputs if socket.name != "Vector"}  # all that it uses
         if any(socket.is_linked for socket in values.values()):
             issues.append(f"what is linked to node {source.name!r} was ignored")
         moves = source.vector_type in ("POINT", "TEXTURE") and any(values["Location"].default_value)

@@ -3,7 +3,7 @@
 
 from ... import compat
 from .compiler import Compiler, Place, UnsupportedNode, live_link
-from .principled import principled
+from .principled import add_diffuse, principled
 
 GREY = (0.8, 0.8, 0.8)
 GLOSSY = ("ShaderNodeBsdfGlossy", "ShaderNodeBsdfAnisotropic")  # the same node before and since Blender 4.0
@@ -50,7 +50,7 @@ class Shaders:
 
     def _diffuse(self, place: Place, weight: int) -> None:
         self.use_normal(place)
-        self.program.add_closure("diffuse", self._coloured(place, weight), self.compiler.value(place, "Roughness"))
+        add_diffuse(self.program, weight, self.compiler.value(place, "Color"), self.compiler.value(place, "Roughness"))
 
     def _glossy(self, place: Place, weight: int) -> None:
         self.use_normal(place)

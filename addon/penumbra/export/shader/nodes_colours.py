@@ -1,10 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Nodes that change colours: Mix, Hue/Saturation, Gamma, Invert, Bright/Contrast, ramps, curves, Separate, Combine."""
 
+from ...compat import RAMP_TABLE_SIZE
 from .compiler import Compiler, Place, UnsupportedNode, node
-
-TABLE_SIZE = 256
-"""Places of ramps and curves, as in Cycles."""
 
 
 @node("ShaderNodeMixRGB")
@@ -89,8 +87,8 @@ def combine_hsv(compiler: Compiler, place: Place, socket) -> int:
 @node("ShaderNodeValToRGB")
 def color_ramp(compiler: Compiler, place: Place, socket) -> int:
     ramp = place.node.color_ramp
-    values = [channel for i in range(TABLE_SIZE) for channel in ramp.evaluate(i / (TABLE_SIZE - 1))]
-    table = compiler.program.table([TABLE_SIZE, ramp.interpolation == "CONSTANT", *values])
+    values = [channel for i in range(RAMP_TABLE_SIZE) for channel in ramp.evaluate(i / (RAMP_TABLE_SIZE - 1))]
+    table = compiler.program.table([RAMP_TABLE_SIZE, ramp.interpolation == "CONSTANT", *values])
     result = compiler.operation(place, "ramp", compiler.value(place, "Fac"), data=table)
     return result + 1 if socket.name == "Alpha" else result
 
@@ -105,10 +103,10 @@ def curves(compiler: Compiler, place: Place, socket) -> int:
     places = [point.location[0] for curve in mapping.curves for point in curve.points]
     first, last = min(0.0, *places), max(1.0, *places)
     values = []
-    for i in range(TABLE_SIZE):
-        x = first + (last - first) * i / (TABLE_SIZE - 1)
+    for i in range(RAMP_TABLE_SIZE):
+        x = first + (last - first) * i / (RAMP_TABLE_SIZE - 1)
         x = mapping.evaluate(shared, x) if shared else x
         values += [mapping.evaluate(curve, x) for curve in channels]
-    table = compiler.program.table([TABLE_SIZE, first, last, mapping.extend == "EXTRAPOLATED", *values])
+    table = compiler.program.table([RAMP_TABLE_SIZE, first, last, mapping.extend == "EXTRAPOLATED", *values])
     factor, value = (compiler.socket(s, place.groups) for s in place.node.inputs)
     return compiler.operation(place, "curves", factor, value, data=table)

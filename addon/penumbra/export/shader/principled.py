@@ -32,6 +32,13 @@ def note_ignored(compiler: Compiler, place: Place, *names: str) -> None:
         compiler.note(place, f"{', '.join(asked)} not supported yet and ignored")
 
 
+def add_diffuse(program, weight: int, colour: int, roughness: int) -> None:
+    """Lambert's law, or Oren and Nayar's where it is rough."""
+    keeps_energy = compat.ROUGH_DIFFUSE_KEEPS_ENERGY and program.known(roughness) != BLACK
+    albedo = program.add("saturate", colour) if keeps_energy else 0
+    program.add_closure("diffuse", program.multiply(weight, colour), roughness, edge=albedo)
+
+
 def burley(compiler: Compiler, place: Place, weight: int) -> None:
     """Before Blender 4.0: diffuse with retro-reflection, sheen, one specular lobe from dielectric to metal, clearcoat.
 
@@ -124,7 +131,7 @@ def layers(compiler: Compiler, place: Place, weight: int) -> None:
     )
     ior = ior_of_reflectance(compiler, f0)
     weight = dielectric(compiler, weight, ior, value["Specular Tint"], value["Roughness"], under=weight)
-    program.add_closure("diffuse", program.multiply(weight, value["Base Color"]), value["Diffuse Roughness"])
+    add_diffuse(program, weight, value["Base Color"], value["Diffuse Roughness"])
 
 
 SCHLICK = -1.0
