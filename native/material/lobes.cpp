@@ -81,7 +81,8 @@ struct OrenNayar {
     return scale * (1 + sigma * t);
   }
 
-  /// Share of the light from this angle that is reflected at once (Portsmouth, Kutz and Hill 2024, "EON", eq. 17).
+  /// Share of the light from this angle that is reflected at once (Portsmouth, Kutz and Hill 2024, "EON", eq.
+  /// 17).
   float albedo(float cosine) const {
     const float c = std::clamp(cosine, 1e-6f, 1.0f), s = std::sqrt(std::max(1 - c * c, 0.0f));
     const float g = s * (std::acos(c) - s * c) + 2.0f / 3 * ((s / c) * (1 - s * s * s) - s);

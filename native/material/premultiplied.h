@@ -5,8 +5,9 @@
 
 namespace penumbra {
 
-/// Reads a file of any format with its colours multiplied by its coverage. Some of OpenImageIO's own readers do that in
-/// linear light since 2.5 (PNG); here, as in Cycles, the file's own numbers are multiplied, whatever the version.
+/// Reads a file of any format with its colours multiplied by its coverage. Some of OpenImageIO's own readers
+/// do that in linear light since 2.5 (PNG); here, as in Cycles, the file's own numbers are multiplied,
+/// whatever the version.
 class Premultiplied final : public OIIO::ImageInput {
  public:
   /// For ImageCache::add_file.

@@ -33,7 +33,8 @@ double integral(float cosine, const Lobe& lobe, float ior = 0) {
       const float reflected =
           ior > 0 ? fresnel_dielectric(dot(light, normalize(light + point.view)), ior) : 1.0f;
       const Vec3f colour = coloured(lobe, evaluate_lobe(lobe, point, light));
-      sum += double(colour.x + colour.y + colour.z) / 3 * double(reflected) / kPi * weight * (2 * kPi / kSteps);
+      sum +=
+          double(colour.x + colour.y + colour.z) / 3 * double(reflected) / kPi * weight * (2 * kPi / kSteps);
     }
   }
   return sum;
