@@ -29,6 +29,9 @@ DEFAULT_SURFACE_IS_PRINCIPLED = bpy.app.version >= (5, 0, 0)
 ROUGH_DIFFUSE_KEEPS_ENERGY = bpy.app.version >= (4, 3, 0)
 """Cycles' rough diffuse has light that bounces between its facets since Blender 4.3."""
 
+NORMAL_MAP_BENDS_COLOUR = bpy.app.version >= (4, 3, 0)
+"""The strength of a normal map in tangent space acts on the colour (seen in 4.3.2), before that on the normal."""
+
 RAMP_TABLE_SIZE = 257 if bpy.app.version >= (4, 0, 0) else 256
 """Places at which Cycles evaluates ramps and curves (measured in 3.4.1, 4.3.2 and 5.2.2)."""
 

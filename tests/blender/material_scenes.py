@@ -42,6 +42,13 @@ class Tree:
     def noise(self, output: str = "Color", scale: float = 3.0, **inputs):
         return self.add("ShaderNodeTexNoise", {"Scale": scale, **inputs}).outputs[output]
 
+    def bump(self, inputs: dict, **properties):
+        """A Bump node that looks a pixel to its sides, as all did before Blender 5."""
+        node = self.add("ShaderNodeBump", inputs, **properties)
+        if "Filter Width" in node.inputs:
+            node.inputs["Filter Width"].default_value = 1.0
+        return node
+
     def finish(self, shader):
         """The material with this shader output at its surface."""
         self.tree.links.new(shader, self._output.inputs["Surface"])

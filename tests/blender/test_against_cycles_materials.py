@@ -39,7 +39,7 @@ def transparent(t, colour=(1, 1, 1)):
 
 
 def bumps(t):
-    return t.add("ShaderNodeBump", {"Height": t.noise("Fac", 4.0, Detail=0.0), "Distance": 0.3}).outputs[0]
+    return t.bump({"Height": t.noise("Fac", 4.0, Detail=0.0), "Distance": 0.3}).outputs[0]
 
 
 def squares(t):
@@ -70,6 +70,19 @@ PRINCIPLED_CASES = {
 }
 
 
+GAPS: dict[str, str] = {}
+"""Known differences from newer versions of Cycles (see README.md)."""
+if bpy.app.version >= (4, 3, 0):
+    GAPS["bumped diffuse"] = "newer Cycles bends the bumped normal for glossy shaders only"
+if bpy.app.version >= (5, 0, 0):
+    GAPS["textured mix"] = GAPS["cut out"] = "0.5 % in the mean where Generated coordinates feed a checker; unexplained"
+
+
+def expect_gap(request, name: str) -> None:
+    if name in GAPS:
+        request.applymarker(pytest.mark.xfail(reason=GAPS[name], strict=True))
+
+
 def assert_matches(scene, tolerance_of_mean: float, times_noise: float = 2.5, notes=()) -> None:
     ours = render_with_penumbra(scene)
     assert statistics.last_render["warnings"] == list(notes)
@@ -87,7 +100,8 @@ def assert_matches(scene, tolerance_of_mean: float, times_noise: float = 2.5, no
 
 
 @pytest.mark.parametrize("name", EXACT)
-def test_shader(scene, name):
+def test_shader(scene, name, request):
+    expect_gap(request, name)
     tree = Tree()
     show(scene, tree.finish(EXACT[name](tree)))
     assert_matches(scene, 3e-3)
@@ -146,8 +160,9 @@ TRANSPARENT = {
 
 @pytest.mark.parametrize("film", [False, True])
 @pytest.mark.parametrize("name", TRANSPARENT)
-def test_transparency(scene, name, film):
+def test_transparency(scene, name, film, request):
     """Seen through, and in the shadows of a sphere and a square; alpha, too."""
+    expect_gap(request, name)
     tree = Tree()
     material = tree.finish(TRANSPARENT[name](tree))
     show(scene, material, diffuse_material("Floor", (0.6, 0.6, 0.6)))

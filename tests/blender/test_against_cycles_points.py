@@ -32,8 +32,7 @@ LIGHTS = {
 
 @pytest.mark.parametrize("light", LIGHTS.values(), ids=LIGHTS)
 def test_pictures_are_those_of_cycles(scene, light):
-    """A floor without occluders. Tolerance 0.3 % in the mean and 1 % (relative RMSE), and Cycles' noise below a third
-    of that; a spot's hard edge may fall on one side of a pixel's centre or the other."""
+    """A floor without occluders. Tolerance 0.3 % in the mean and 1 % (relative RMSE), and Cycles' noise below 0.4 %; a spot's hard edge may fall on one side of a pixel's centre or the other."""
     kind, data, transform = light
     add_plane(scene, "Floor", size=10.0)
     add_camera(scene, location=(0, 0, 8), type="ORTHO", ortho_scale=6.0)
@@ -42,7 +41,7 @@ def test_pictures_are_those_of_cycles(scene, light):
     ours, expected = colour(render_with_penumbra(scene)), colour(cycles)
     assert expected.mean() > 0.01
     assert abs(noise.mean((0, 1)) / expected.mean((0, 1))).max() < 1e-3
-    assert relative_rmse(noise, expected) < 3e-3
+    assert relative_rmse(noise, expected) < 4e-3
     np.testing.assert_allclose(ours.mean((0, 1)), expected.mean((0, 1)), rtol=3e-3)
     assert relative_rmse(ours - expected, expected) < 1e-2
 

@@ -3,6 +3,7 @@
 
 import numpy as np
 
+from ... import compat
 from .attributes import DEFAULT_COLOUR, DEFAULT_UV, GENERATED, tangent_name
 from .compiler import Compiler, Place, UnsupportedNode, node
 
@@ -123,5 +124,17 @@ def normal_map(compiler: Compiler, place: Place, socket) -> int:
     space = place.node.space
     if space != "TANGENT":
         return compiler.operation(place, f"normal_map.{space}", colour, strength)
+    program = compiler.program
+    if compat.NORMAL_MAP_BENDS_COLOUR:
+        colour, strength = bent(program, colour, strength), program.constant(1.0)
     tangent = compiler.attribute(tangent_name(place.node.uv_map))
-    return compiler.program.add("normal_map.TANGENT", colour, strength, tangent, tangent + 1)
+    return program.add("normal_map.TANGENT", colour, strength, tangent, tangent + 1)
+
+
+def bent(program, colour: int, strength: int) -> int:
+    """A normal map's colour moved from the flat one as far as the strength says, but no further upwards than it is."""
+    flat = program.constant((0.5, 0.5, 1.0))
+    sideways = program.multiply(strength, program.constant((1.0, 1.0, 0.0)))
+    upwards = program.multiply(program.clamped(strength), program.constant((0.0, 0.0, 1.0)))
+    moved = program.multiply(program.add("vector.SUBTRACT", colour, flat), program.add("vector.ADD", sideways, upwards))
+    return program.add("vector.ADD", flat, moved)
