@@ -32,7 +32,8 @@ LIGHTS = {
 
 @pytest.mark.parametrize("light", LIGHTS.values(), ids=LIGHTS)
 def test_pictures_are_those_of_cycles(scene, light):
-    """A floor without occluders. Tolerance 0.3 % in the mean and 1 % (relative RMSE), and Cycles' noise below 0.4 %; a spot's hard edge may fall on one side of a pixel's centre or the other."""
+    """A floor without occluders. Tolerance 0.3 % in the mean and 1 % (relative RMSE), Cycles' noise below 0.4 %; a
+    spot's hard edge may fall on one side of a pixel's centre or the other."""
     kind, data, transform = light
     add_plane(scene, "Floor", size=10.0)
     add_camera(scene, location=(0, 0, 8), type="ORTHO", ortho_scale=6.0)

@@ -74,7 +74,7 @@ run() {
   sources=$root$inside/$1
   [[ $1 != bpy ]] || program=$inside/.cache/penumbra/bpy/bin/python
   copy_sources "$repository" "$sources" &&
-    enter "$root" env --chdir="$inside/$1" CMAKE_CXX_COMPILER_LAUNCHER=ccache ${command[$1]} || return
+    enter "$root" env --chdir="$inside/$1" CMAKE_CXX_COMPILER_LAUNCHER=ccache CCACHE_BASEDIR="$inside/$1" CCACHE_NOHASHDIR=1 ${command[$1]} || return
   [[ $1 != arm64 && -e $repository/examples/four_objects.blend ]] || return 0
   cp "$repository/examples/four_objects.blend" "$sources/examples/" &&
     enter "$root" env --chdir="$inside/$1" $program tests/environments/picture.py -- "build/pictures/$1" &&
