@@ -26,7 +26,8 @@ def user(tmp_path):
     programs, home = tmp_path / "programs", tmp_path / "home"
     programs.mkdir()
     home.mkdir()
-    (programs / "python3").symlink_to(sys.executable)
+    for name in ("python3", f"python3.{sys.version_info.minor}"):  # newer Blenders look for the second
+        (programs / name).symlink_to(sys.executable)
     return {"PATH": str(programs), "HOME": str(home), **dict.fromkeys(
         ("BLENDER_USER_RESOURCES", "BLENDER_USER_CONFIG", "BLENDER_USER_SCRIPTS"), str(home))}  # fmt: skip
 
@@ -50,7 +51,7 @@ def test_both_zips_hold_one_native_module_and_only_the_extension_a_manifest(zips
 
 RENDER = """
 bpy.ops.wm.open_mainfile(filepath={blend_file!r})
-engines = {{cls.bl_idname: cls.__module__ for cls in bpy.types.RenderEngine.__subclasses__()}}
+engines = {{getattr(cls, "bl_idname", ""): cls.__module__ for cls in bpy.types.RenderEngine.__subclasses__()}}
 assert engines["PENUMBRA"] == "{addon}.engine", engines
 bpy.context.scene.render.image_settings.file_format = "OPEN_EXR"
 bpy.context.scene.render.filepath = {output!r}

@@ -63,6 +63,7 @@ make() {
     tail -n 5 "$3.log"
     return 1
   }
+  rm "$3.log"
 }
 
 pictures=$repository/build/pictures
