@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "material/premultiplied.h"
 
-#include <OpenImageIO/half.h>
-
 #include <limits>
+#include <vector>
 
 namespace penumbra {
 namespace {
@@ -86,10 +85,12 @@ void Premultiplied::multiply(void* data, size_t pixels) const {
     penumbra::multiply<uint8_t, uint32_t>(static_cast<uint8_t*>(data), pixels, channels, alpha);
   else if (m_spec.format == io::TypeDesc::UINT16)
     penumbra::multiply<uint16_t, uint64_t>(static_cast<uint16_t*>(data), pixels, channels, alpha);
-  else if (m_spec.format == io::TypeDesc::HALF)
-    penumbra::multiply<half, float>(static_cast<half*>(data), pixels, channels, alpha);
-  else if (m_spec.format == io::TypeDesc::FLOAT)
-    penumbra::multiply<float, float>(static_cast<float*>(data), pixels, channels, alpha);
+  else {
+    std::vector<float> values(pixels * size_t(channels));
+    io::convert_pixel_values(m_spec.format, data, io::TypeDesc::FLOAT, values.data(), int(values.size()));
+    penumbra::multiply<float, float>(values.data(), pixels, channels, alpha);
+    io::convert_pixel_values(io::TypeDesc::FLOAT, values.data(), m_spec.format, data, int(values.size()));
+  }
 }
 
 }  // namespace penumbra
