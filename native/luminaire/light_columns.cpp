@@ -33,6 +33,7 @@ struct Receiver {
   Vec3f point, normal;
 };
 
+/// As flat elements; those without a normal are done over by as_bulbs().
 PENUMBRA_VECTORIZED
 void as_points(const float* const* columns, uint32_t count, const float* powers, const Receiver& receiver,
                float* out, int* state) {
@@ -47,9 +48,9 @@ void as_points(const float* const* columns, uint32_t count, const float* powers,
     const float square = dx * dx + dy * dy + dz * dz;
     const float height = dx * g.normal.x + dy * g.normal.y + dz * g.normal.z;
     const float facing = -(dx * c[kNormal][i] + dy * c[kNormal + 1][i] + dz * c[kNormal + 2][i]);
-    const float flat = c[kTwoSided][i] > 0 ? std::abs(facing) : facing;
-    const float side = c[kOmni][i] > 0 ? std::sqrt(square) : flat;
-    const float value = (height / square) * (side / square) * powers[i];
+    const float side = c[kTwoSided][i] > 0 ? std::abs(facing) : facing;
+    const float inverse = 1 / square;
+    const float value = (height * inverse) * (side * inverse) * powers[i];
     const bool sends = side > 0 && height > -c[kRadius][i];
     const bool near = height < c[kRadius][i] || square < c[kNearSquare][i];
     out[i] = sends && !near ? value : 0.0f;
@@ -58,6 +59,33 @@ void as_points(const float* const* columns, uint32_t count, const float* powers,
                : square < c[kFarSquare][i] ? kFourPoints
                                            : kPointLight;
   }
+}
+
+PENUMBRA_VECTORIZED
+void as_bulbs(const float* const* columns, uint32_t count, const float* powers, const Receiver& receiver,
+              float* out, int* state) {
+  const Receiver g = receiver;
+  const float *cx = columns[kCentre], *cy = columns[kCentre + 1], *cz = columns[kCentre + 2],
+              *radius = columns[kRadius], *near_square = columns[kNearSquare], *omni = columns[kOmni];
+  for (uint32_t i = 0; i < count; ++i) {
+    const float dx = cx[i] - g.point.x, dy = cy[i] - g.point.y, dz = cz[i] - g.point.z;
+    const float square = dx * dx + dy * dy + dz * dz;
+    const float height = dx * g.normal.x + dy * g.normal.y + dz * g.normal.z;
+    const float value = height / (square * std::sqrt(square)) * powers[i];
+    const bool sends = square > 0 && height > -radius[i];
+    const bool near = height < radius[i] || square < near_square[i];
+    out[i] = omni[i] > 0 ? (sends && !near ? value : 0.0f) : out[i];
+    state[i] = omni[i] > 0 ? (sends && near ? kNearLight : kPointLight) : state[i];
+  }
+}
+
+PENUMBRA_VECTORIZED
+float sum_of(const float* values) {
+  float s[kLightChunk];
+  for (uint32_t i = 0; i < kLightChunk; ++i) s[i] = values[i];
+  for (uint32_t half = kLightChunk / 2; half; half /= 2)
+    for (uint32_t i = 0; i < half; ++i) s[i] += s[i + half];
+  return s[0];
 }
 
 PENUMBRA_VECTORIZED
@@ -85,7 +113,72 @@ void by_four_points(const float* const* columns, uint32_t count, const float* po
   }
 }
 
+constexpr int kFieldSums = 12;
+
+/// Sums for a LightField, lane by lane: its value, then its gradients.
+PENUMBRA_VECTORIZED
+void sum_field(const float* const* columns, uint32_t count, const float* powers, const Receiver& receiver,
+               float* sums) {
+  constexpr uint32_t kLanes = 16;
+  const Receiver g = receiver;
+  const float *cx = columns[kCentre], *cy = columns[kCentre + 1], *cz = columns[kCentre + 2],
+              *nx = columns[kNormal], *ny = columns[kNormal + 1], *nz = columns[kNormal + 2],
+              *two_sided = columns[kTwoSided], *omni = columns[kOmni];
+  float lanes[kFieldSums][kLanes] = {};
+  for (uint32_t begin = 0; begin < count; begin += kLanes) {
+    for (uint32_t k = 0; k < kLanes; ++k) {
+      const uint32_t i = begin + k;
+      const float dx = cx[i] - g.point.x, dy = cy[i] - g.point.y, dz = cz[i] - g.point.z;
+      const float square = dx * dx + dy * dy + dz * dz, inverse = 1 / square;
+      const float facing = -(dx * nx[i] + dy * ny[i] + dz * nz[i]);
+      const bool turned = two_sided[i] > 0 && facing < 0;
+      const bool is_omni = omni[i] > 0;
+      const float side = turned ? -facing : facing;
+      const bool sends = is_omni || side > 0;
+      const float power = sends ? powers[i] : 0.0f;
+      // d a, with a = side / r^4, or 1 / r^3 without a normal; the derivative of side is the normal.
+      const float a = power * (is_omni ? inverse * std::sqrt(inverse) : side * inverse * inverse);
+      const float steep = (is_omni ? 3.0f : 4.0f) * a * inverse;
+      const float b = (turned ? -power : power) * inverse * inverse;
+      const float gx = b * nx[i] + steep * dx, gy = b * ny[i] + steep * dy, gz = b * nz[i] + steep * dz;
+      lanes[0][k] += a * dx, lanes[1][k] += a * dy, lanes[2][k] += a * dz;
+      lanes[3][k] += gx * dx - a, lanes[4][k] += gx * dy, lanes[5][k] += gx * dz;
+      lanes[6][k] += gy * dx, lanes[7][k] += gy * dy - a, lanes[8][k] += gy * dz;
+      lanes[9][k] += gz * dx, lanes[10][k] += gz * dy, lanes[11][k] += gz * dz - a;
+    }
+  }
+  for (int s = 0; s < kFieldSums; ++s) {
+    sums[s] = 0;
+    for (uint32_t k = 0; k < kLanes; ++k) sums[s] += lanes[s][k];
+  }
+}
+
 }  // namespace
+
+void add_field(const std::vector<std::vector<float>>& columns, uint32_t first, uint32_t count, int channel,
+               const Vec3d& point, LightField& field) {
+  // Whole lanes: elements without power fill the last one.
+  constexpr uint32_t kUsed[] = {0, 1, 2, 3, 4, 5, kOmni, kTwoSided};
+  alignas(64) float copies[kPower][kLightChunk], powers[kLightChunk] = {};
+  const float* c[kPower] = {};
+  for (uint32_t i : kUsed) {
+    const float* column = columns[i].data() + first;
+    std::copy(column, column + count, copies[i]);
+    std::fill(copies[i] + count, copies[i] + kLightChunk, column[0]);
+    c[i] = copies[i];
+  }
+  const float* column = columns[size_t(kPower + channel)].data() + first;
+  std::copy(column, column + count, powers);
+  float sums[kFieldSums];
+  sum_field(c, (count + 15) / 16 * 16, powers, {Vec3f(point), {}}, sums);
+  const auto vector = [&](int s) { return Vec3d{double(sums[s]), double(sums[s + 1]), double(sums[s + 2])}; };
+  field.value += vector(0);
+  for (int k = 0; k < 3; ++k) field.gradient[k] += vector(3 + 3 * k);
+}
+
+float sum_light(const float* values) {
+  return sum_of(values);
+}
 
 void add_light_columns(const LightElement& e, const float radiance[4],
                        std::vector<std::vector<float>>& columns) {
@@ -116,6 +209,9 @@ bool far_light(const std::vector<std::vector<float>>& columns, uint32_t first, u
   const float* powers = columns[size_t(kPower + channel)].data() + first;
   const Receiver receiver{Vec3f(surface.position), Vec3f(surface.normal)};
   as_points(c, count, powers, receiver, out, state);
+  bool bulbs = false;
+  for (uint32_t i = 0; i < count; ++i) bulbs = bulbs || c[kOmni][i] > 0;
+  if (bulbs) as_bulbs(c, count, powers, receiver, out, state);
   int most = 0, four = 0;
   for (uint32_t i = 0; i < count; ++i) {
     most = std::max(most, state[i]);

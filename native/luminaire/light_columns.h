@@ -25,4 +25,17 @@ enum LightState : int { kPointLight, kFourPoints, kNearLight };
 bool far_light(const std::vector<std::vector<float>>& columns, uint32_t first, uint32_t count, int channel,
                const SurfacePoint& surface, float* out, int* state);
 
+/// What elements send around a point: |radiance| x form factor, one channel, at point + d of a surface with
+/// normal n is n . (value + sum of gradient[k] x d[k]) to first order, wherever all of them are above the
+/// horizon and face the surface.
+struct LightField {
+  Vec3d value, gradient[3];
+};
+/// Adds elements [first, first + count), each as a point.
+void add_field(const std::vector<std::vector<float>>& columns, uint32_t first, uint32_t count, int channel,
+               const Vec3d& point, LightField& field);
+
+/// Sum of a chunk, as a fixed tree.
+float sum_light(const float* values);
+
 }  // namespace penumbra

@@ -14,13 +14,22 @@ class LightGroup final : public Emitter {
       : tree_(tree), node_(node), channel_(channel) {}
 
   double form_factor(const SurfacePoint& surface) const override;
+  /// Surface points near one another share a sum over the elements.
+  void form_factors(const SurfaceColumns& surfaces, double* out) const override;
   /// u goes through the tree's order, where near numbers are near in space. From far elements are chosen by
   /// their power, else by what they would send to the surface point, so that all points count nearly the same
   /// however much nearer one of them is.
   void evaluate(const SurfacePoint& surface, const float* u, const float* v, uint32_t count,
                 LightPoints& out) const override;
+  void evaluate_each(const SurfaceColumns& surfaces, const float* u, const float* v,
+                     LightPoints& out) const override;
 
  private:
+  /// Puts point i of `out` where `choice` has (u, v).
+  template <typename Choice>
+  void place(const Choice& choice, const SurfacePoint& surface, float u, float v, LightPoints& out,
+             uint32_t i) const;
+
   const LightTree& tree_;
   uint32_t node_;
   LightChannel channel_;

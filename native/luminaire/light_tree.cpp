@@ -7,7 +7,6 @@
 #include <map>
 #include <tuple>
 
-#include "luminaire/light_columns.h"
 #include "luminaire/light_group.h"
 
 namespace penumbra {
@@ -18,6 +17,13 @@ constexpr size_t kMostLeaves = 1 << 16;
 
 /// A node is far beyond so many of its radii: its elements' light differs by less than their powers do.
 constexpr double kFar = 4;
+
+/// Way over which the light of something so many times farther is linear: what is left out is at most
+/// about four times the square of it (tests/native/test_light_tree.cpp).
+constexpr double kLinear = 0.02;
+
+/// Cosine of the cone in which normals count as one direction.
+constexpr double kOneDirection = 0.9;
 
 /// Radiances that differ by less, relatively, have the same hue.
 constexpr double kSameHue = 1e-6;
@@ -128,6 +134,7 @@ uint32_t LightTree::add_node(std::span<Building> elements, uint32_t begin) {
     node.bounds.include(e.centre - radius);
     node.bounds.include(e.centre + radius);
     centres.include(e.centre);
+    node.by_formula = node.by_formula && std::isfinite(e.near);
     node.power += b.radiance * e.strength;
     normals += e.normal;
     any_direction = any_direction || e.two_sided || e.two_sided_near || e.normal == Vec3d{};
@@ -164,7 +171,8 @@ uint32_t LightTree::add_node(std::span<Building> elements, uint32_t begin) {
 void LightTree::fill_columns(std::span<const Building> elements) {
   for (const Building& b : elements) {
     const Vec3d& r = b.radiance;
-    const Source source{b.luminaire,
+    const Source source{&luminaires_[b.luminaire].emitter(),
+                        b.luminaire,
                         b.number,
                         b.element.u_begin,
                         b.element.u_end,
@@ -217,6 +225,30 @@ bool LightTree::is_far(uint32_t i, const SurfacePoint& surface) const {
          dot(to_centre, to_centre) >= kFar * kFar * radius * radius;
 }
 
+bool LightTree::is_smooth(uint32_t i, const SurfacePoint& surface, double distance) const {
+  const LightNode& n = nodes_[i];
+  if (!n.by_formula) return false;
+  const Vec3d half = n.bounds.extent() * 0.5, to_centre = n.bounds.centre() - surface.position;
+  const auto reach_along = [&](const Vec3d& v) {
+    return std::abs(half.x * v.x) + std::abs(half.y * v.y) + std::abs(half.z * v.z);
+  };
+  if (dot(to_centre, surface.normal) < reach_along(surface.normal) + distance) return false;
+  const double to_middle = length(to_centre), radius = length(half);
+  if (to_middle - radius < distance / kLinear) return false;
+  // Elements of many directions do not turn away all at once; those of one do.
+  if (n.cosine < kOneDirection) return true;
+  const double before = -dot(to_centre, n.axis) - reach_along(n.axis);
+  return before > distance + sine_of(n.cosine) * (to_middle + radius);
+}
+
+LightField LightTree::field(uint32_t i, LightChannel channel, const Vec3d& point) const {
+  const LightNode& n = nodes_[i];
+  LightField field;
+  for (uint32_t first = n.begin; first < n.end; first += kLightChunk)
+    add_field(columns_, first, std::min(kLightChunk, n.end - first), int(channel), point, field);
+  return field;
+}
+
 uint32_t LightTree::pick(uint32_t i, LightChannel channel, double at, double& share, double& within) const {
   const LightNode& n = nodes_[i];
   const std::vector<double>& until = power_until_[size_t(channel)];
@@ -241,10 +273,11 @@ double LightTree::sum(uint32_t begin, uint32_t end, LightChannel channel, const 
     for (uint32_t i = 0; exact && i < n; ++i) {
       if (state[i] != kNearLight) continue;
       const Source& source = sources_[first + i];
-      chunk[i] = float(luminaires_[source.luminaire].emitter().form_factor_of(source.element, surface) *
+      chunk[i] = float(source.emitter->form_factor_of(source.element, surface) *
                        double(source.radiance[int(channel)]));
     }
-    for (uint32_t i = 0; i < n; ++i) total += double(chunk[i]);
+    std::fill(chunk + n, chunk + kLightChunk, 0.0f);
+    total += double(sum_light(chunk));
     if (values) std::copy(chunk, chunk + n, values + (first - begin));
   }
   return total;
@@ -255,7 +288,7 @@ float LightTree::evaluate(uint32_t element, LightChannel channel, const SurfaceP
   const Source& source = sources_[element];
   const float part = source.u_end - source.u_begin, at = source.u_begin + part * u;
   LightPoints one;
-  luminaires_[source.luminaire].evaluate(surface, &at, &v, 1, one);
+  source.emitter->evaluate(surface, &at, &v, 1, one);
   to_light = {one.x[0], one.y[0], one.z[0]};
   return one.form_factor[0] * part * source.radiance[int(channel)];
 }

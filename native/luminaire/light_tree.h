@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "luminaire/light_columns.h"
 #include "luminaire/luminaire.h"
 #include "math/transform.h"
 
@@ -23,6 +24,7 @@ struct LightNode {
   Vec3d power;             // sum of strength x |radiance|
   uint32_t begin, end;     // elements, in the tree's order
   uint32_t right = 0;      // child; the left one is the next node. 0: a leaf
+  bool by_formula = true;  // cos cos' / r^2 holds for all of them from afar
   bool one_colour = true;  // radiances are multiples of each other
 
   bool is_leaf() const { return right == 0; }
@@ -56,6 +58,10 @@ class LightTree {
   /// The node is so far from a surface point, and so far above its horizon, that its elements' powers tell
   /// well enough what they send.
   bool is_far(uint32_t node, const SurfacePoint& surface) const;
+  /// The node is wholly above a surface point's horizon and faces it, and so far away that its light is
+  /// linear over `distance`.
+  bool is_smooth(uint32_t node, const SurfacePoint& surface, double distance) const;
+  LightField field(uint32_t node, LightChannel channel, const Vec3d& point) const;
   /// An element of the node by its power: `at` in [0, 1) goes through them in order. share: the probability;
   /// within: where in the element's own part `at` is, in [0, 1).
   uint32_t pick(uint32_t node, LightChannel channel, double at, double& share, double& within) const;
@@ -67,6 +73,7 @@ class LightTree {
 
  private:
   struct Source {
+    const Emitter* emitter;
     uint32_t luminaire, element;  // which of the luminaire's
     float u_begin, u_end;
     float radiance[4];  // |radiance|, by channel

@@ -13,9 +13,10 @@ namespace {
 
 constexpr int kGateReach = 2, kFloodReach = 2, kPool = 2;
 
-/// Pixels around a block that it looks at: what floods into it can come from so far away.
+/// Pixels around a block that it looks at: what floods into it can come from so far away. Even: whole quads,
+/// whose samples share packets.
 uint32_t halo(const PixelFilter& filter) {
-  return uint32_t(kFloodReach + std::max(kGateReach, filter.reach() + 1));
+  return uint32_t(kFloodReach + std::max(kGateReach, filter.reach() + 1) + 1) / 2 * 2;
 }
 
 /// Quantiles as in BoundedCalibration; smoothed standard error c s n^-0.65 of samples with standard deviation

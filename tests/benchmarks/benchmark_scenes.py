@@ -134,7 +134,27 @@ def plants(scene, leaves=500_000, size=0.02):
     luminaire(scene, (2.0, 1.0, 6.0), 2.0)
 
 
-SCENES = {"sphere": sphere, "four objects": four_objects, "checker": checker, "wires": wires, "plants": plants}
+def open_floor(scene):
+    floor_and_camera(scene)
+    luminaire(scene, (-2.8, -1.8, 6.0), 2.0)
+
+
+def many_lights(scene, side=8, half=8.0):
+    """side x side small lamps over furniture; the floor's light is about 1 between its shadows."""
+    floor_and_camera(scene)
+    random = np.random.default_rng(7)
+    for i in range(60):
+        x, y = random.uniform(-6, 6, 2)
+        w, h = random.uniform(0.15, 0.5), random.uniform(0.2, 0.8)
+        bar(scene, f"Furniture {i}", (w, w, h), (x, y, h), random.uniform(0, math.pi))
+    flux = math.pi / ALBEDO * (2 * half) ** 2 / side**2  # of each: E = flux / area
+    for i in range(side * side):
+        x, y = (2 * half * ((k + 0.5) / side - 0.5) for k in (i % side, i // side))
+        add_area_light(scene, name=f"Lamp {i}", size=0.3, power=flux, location=(x, y, 4.0))
+
+
+SCENES = {"sphere": sphere, "four objects": four_objects, "checker": checker, "wires": wires, "plants": plants,
+          "open floor": open_floor, "64 lights": many_lights}  # fmt: skip
 
 
 def make(name):

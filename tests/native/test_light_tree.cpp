@@ -28,7 +28,7 @@ MeshLuminaire tetrahedron(const Affine& t, const Vec3d& radiance, bool closed) {
 }
 
 /// Of every kind, in the cube [-1, 1]^3.
-std::vector<Luminaire> many(uint32_t count, Trials& trials, bool colours = true) {
+std::vector<Luminaire> many(uint32_t count, Trials& trials, bool colours = true, bool beams = true) {
   std::vector<Luminaire> luminaires;
   const Normalization n{};
   for (uint32_t i = 0; i < count; ++i) {
@@ -37,7 +37,7 @@ std::vector<Luminaire> many(uint32_t count, Trials& trials, bool colours = true)
     const Vec3d radiance = colours && i % 2 ? Vec3d{bright, bright / 2, 0} : Vec3d{bright, bright, bright};
     const Affine t = turned(trials, at, size);
     LuminaireDescription d;
-    switch (i % 6) {
+    switch (beams ? i % 6 : i % 5) {
       case 0:
         d = AreaLuminaire{"rectangle", LuminaireShape::kRectangle, t, 1, trials.uniform(0.2, 1), radiance};
         break;
@@ -45,11 +45,11 @@ std::vector<Luminaire> many(uint32_t count, Trials& trials, bool colours = true)
         d = AreaLuminaire{"ellipse", LuminaireShape::kEllipse, t, 1, trials.uniform(0.2, 1), radiance};
         break;
       case 2:
-        d = PointLuminaire{"bulb", RoundShape::kSphere, t, i % 4 ? 0.0 : size, radiance * (size * size)};
+        d = PointLuminaire{"bulb", RoundShape::kSphere, t, i % 4 ? 0.0 : size, radiance * (size * size), true, {}};
         break;
       case 3:
-        d = PointLuminaire{"spot", RoundShape::kFacingDisk, t, size, radiance * (size * size)};
-        if (i % 4 == 1) std::get<PointLuminaire>(d).spot = SpotCone{1.0, 0.5};
+        d = PointLuminaire{"spot", RoundShape::kFacingDisk, t, size, radiance * (size * size), true, {}};
+        if (beams && i % 4 == 1) std::get<PointLuminaire>(d).spot = SpotCone{1.0, 0.5};
         break;
       case 4:
         d = tetrahedron(t, radiance, i % 4 == 0);
@@ -202,6 +202,39 @@ TEST(LightTree, PointsOfAGroupHaveItsFormFactorAsMean) {
     }
     EXPECT_NEAR(sum / kPoints / exact, 1, 0.01);
   }
+}
+
+/// Of facing light, as above: sums that are shared among neighbours, on one surface and around an edge.
+TEST(LightTree, NeighboursShareSums) {
+  Trials trials(7);
+  double worst = 0;
+  int shared = 0;
+  for (int scene = 0; scene < 200; ++scene) {
+    const std::vector<Luminaire> luminaires = many(60, trials, false, false);
+    const LightTree tree(luminaires);
+    std::vector<Luminaire> groups;
+    tree.append(tree.roots()[0], groups);
+    ASSERT_EQ(groups.size(), 1u);
+    const double far = trials.uniform(2, 8);
+    const Vec3d at = trials.direction() * far, n = normalize(-at + trials.direction() * (0.5 * far));
+    SurfaceColumns columns;
+    for (int i = 0; i < 16; ++i) {
+      const Vec3d turned = i % 4 ? n : normalize(-at + trials.direction() * (0.5 * far));
+      columns.add(surface_at(at + trials.direction() * (0.008 * far), turned));
+    }
+    double out[kBatch];
+    groups[0].form_factors(columns, out);
+    double facing = 0;
+    for (const Luminaire& l : luminaires)
+      for (const LightElement& e : l.elements()) facing += l.radiance().x * e.strength / (far * far);
+    for (uint32_t i = 0; i < columns.count; ++i) {
+      const double exact = groups[0].form_factor(columns.point(i));
+      worst = std::max(worst, std::abs(out[i] - exact) * groups[0].radiance().x / facing);
+      shared += out[i] != exact;
+    }
+  }
+  EXPECT_GT(shared, 1500);  // of 3200
+  EXPECT_LT(worst, 1.6e-3);  // four times the square of 0.02
 }
 
 TEST(LightTree, KeepsKindsApart) {
