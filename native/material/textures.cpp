@@ -4,7 +4,9 @@
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imagecache.h>
 #include <OpenImageIO/texture.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <stdexcept>
@@ -17,10 +19,16 @@ namespace {
 
 namespace io = OIIO;
 
-/// What no honest texture exceeds: pixels a side, channels, and bytes of one tile when decoded.
+/// What no honest texture exceeds: pixels a side, channels, and bytes when decoded, of all or of one tile.
 constexpr int kMaxSide = 65536, kMaxChannels = 64;
 constexpr uint64_t kMaxBytes = uint64_t(8) << 30;
 constexpr float kCacheMegabytes = 2048;
+
+/// Files that are not tiled are decoded as a whole: half of the machine's memory at most.
+uint64_t most_bytes() {
+  const long pages = sysconf(_SC_PHYS_PAGES), page = sysconf(_SC_PAGESIZE);
+  return pages > 0 && page > 0 ? std::min(kMaxBytes, uint64_t(pages) * uint64_t(page) / 2) : kMaxBytes;
+}
 
 /// The texture system and its cache, ours alone; OpenImageIO 3 hands out shared pointers, 2 plain ones.
 class System {
@@ -67,7 +75,10 @@ std::string refusal(const io::ImageSpec& spec) {
            std::to_string(spec.depth) + " pixels of " + std::to_string(spec.nchannels) +
            " channels, more than are read";
   if (spec.width < 1 || spec.height < 1 || spec.nchannels < 1) return "it has no pixels";
-  if (spec.image_bytes() > kMaxBytes) return "it would need more than 8 GiB";
+  const uint64_t bytes = std::max(spec.image_bytes(), spec.tile_bytes()), most = most_bytes();
+  if (bytes > most)
+    return "it would need " + std::to_string(bytes >> 20) + " MiB, and no more than " +
+           std::to_string(most >> 20) + " MiB are read";
   return {};
 }
 
@@ -175,8 +186,13 @@ Texel Textures::lookup(uint32_t number, float u, float v) const {
 
   io::TextureOpt how = options(image);
   float c[4] = {0, 0, 0, 1};
-  if (!entry.system->textures().texture(tile->handle, nullptr, how, u, 1 - v, 0, 0, 0, 0, tile->channels,
-                                        c)) {
+  bool read = false;
+  try {
+    read =
+        entry.system->textures().texture(tile->handle, nullptr, how, u, 1 - v, 0, 0, 0, 0, tile->channels, c);
+  } catch (const std::exception&) {  // no memory for its pixels: as if they could not be read
+  }
+  if (!read) {
     if (!entry.failed.exchange(true)) return Texel::missing();
     entry.system->textures().geterror();  // the first one was enough
     return Texel::missing();

@@ -204,8 +204,8 @@ def test_linking(scene, what, state):
     member = floor if what == "receiver_collection" and state == "INCLUDE" else blocker
     setattr(lamp.light_linking, what, linked("Links", member, state=state))
     difference = abs(assert_lit_alike(scene) - whole[..., :3])
-    # The blocker alone casts the shadow there is.
-    assert (difference.max() > 0.05) == ((what, state) != ("blocker_collection", "INCLUDE"))
+    # The blocker alone casts the shadow there is; what differs then is the noise of 16 points.
+    assert (difference.mean() > 0.02) == ((what, state) != ("blocker_collection", "INCLUDE"))
 
 
 @needs_linking

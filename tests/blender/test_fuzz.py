@@ -10,7 +10,7 @@ import time
 import bpy
 import numpy as np
 import pytest
-from helpers import add_area_light, add_camera, add_cube, add_mesh, add_plane, link, render_pixels
+from helpers import add_area_light, add_camera, add_cube, add_mesh, add_plane, emissive_material, link, render_pixels
 
 SECONDS = float(os.environ.get("PENUMBRA_FUZZ_SECONDS", 0))
 FEW = 150
@@ -103,8 +103,13 @@ def test_random_node_trees(small):
 
 def random_object(scene, random, i: int) -> None:
     place = {key: [number(random) for _ in range(3)] for key in ("location", "rotation", "scale")}
-    kind = random.integers(6)
-    if kind == 0:
+    kind = random.integers(7)
+    if kind == 6:
+        glowing = add_cube(scene, f"Glowing {i}", **place)
+        glowing.data.materials.append(
+            emissive_material(f"Glow {i}", [number(random) for _ in range(3)], number(random))
+        )
+    elif kind == 0:
         add_cube(scene, f"Cube {i}", **place)
     elif kind == 1:
         corners = [[number(random) for _ in range(3)] for _ in range(8)]
@@ -114,6 +119,9 @@ def random_object(scene, random, i: int) -> None:
     elif kind == 2:
         light = bpy.data.lights.new(f"Light {i}", str(random.choice(["AREA", "POINT", "SPOT", "SUN"])))
         light.energy = 100 * number(random)
+        for name in ("spot_blend", "spot_size", "shadow_soft_size", "angle", "spread"):
+            if hasattr(light, name) and random.random() < 0.5:
+                setattr(light, name, number(random))
         light.color = [abs(number(random)) for _ in range(3)]
         link(scene, f"Light {i}", light, **place)
     elif kind == 3:
@@ -130,8 +138,26 @@ def random_object(scene, random, i: int) -> None:
             modifier.thickness = number(random)
 
 
+def random_world(random):
+    """None, a colour, or a painted sky, some of whose pixels are not finite."""
+    if random.random() < 0.3:
+        return None
+    world = bpy.data.worlds.new("World")
+    world.use_nodes = True
+    background = world.node_tree.nodes["Background"]
+    set_randomly(background.inputs["Color"], random)
+    set_randomly(background.inputs["Strength"], random)
+    if random.random() < 0.6:
+        picture = bpy.data.images.new("Sky", 8, 4, float_buffer=True)
+        picture.pixels.foreach_set(np.array([number(random) for _ in range(8 * 4 * 4)], np.float32))
+        texture = world.node_tree.nodes.new("ShaderNodeTexEnvironment")
+        texture.image = picture
+        world.node_tree.links.new(texture.outputs["Color"], background.inputs["Color"])
+    return world
+
+
 def test_random_scenes(small):
-    """Objects, lights and cameras of all kinds at any place, some of it not finite."""
+    """Objects, lights, worlds and cameras of all kinds at any place, some of it not finite."""
     rules = ["BOUNDED", "FIXED", "PAPER", "VARIANCE"]
     for seed in seeds():
         random = np.random.default_rng(seed)
@@ -140,6 +166,7 @@ def test_random_scenes(small):
         camera = add_camera(small, location=(0, 0, 6), type=str(random.choice(["PERSP", "ORTHO"])))
         if random.random() < 0.2:
             camera.location.x = number(random)
+        small.world = random_world(random)
         small.penumbra.stop_rule = str(random.choice(rules))
         small.penumbra.max_light_samples = 64
         small.penumbra.pixel_samples = int(random.integers(1, 4))

@@ -8,7 +8,17 @@ import zlib
 import bpy
 import numpy as np
 import pytest
-from helpers import add_area_light, add_camera, add_cube, add_mesh, add_plane, link, render_pixels
+from helpers import (
+    add_area_light,
+    add_camera,
+    add_cube,
+    add_light,
+    add_mesh,
+    add_plane,
+    emissive_material,
+    link,
+    render_pixels,
+)
 from penumbra import native, statistics
 
 
@@ -223,6 +233,119 @@ def test_a19_spread(scene, degrees):
     assert np.isfinite(picture).all() and not statistics.last_render["warnings"]
     below = picture.shape[0] // 2, picture.shape[1] // 2
     assert picture[below] > 1.2 * widest[below] if degrees < 180 else (picture == widest).all()
+
+
+NAN, INFINITY = float("nan"), float("inf")
+
+
+@pytest.mark.parametrize(
+    ("kind", "values", "what"),
+    [(kind, {"energy": value}, "power") for kind in ("AREA", "POINT", "SPOT", "SUN") for value in (NAN, INFINITY)]
+    + [(kind, {"color": (1, NAN, 1)}, "colour") for kind in ("AREA", "POINT", "SPOT", "SUN")]
+    + [
+        ("SPOT", {"spot_blend": NAN}, "cone"),
+        ("SPOT", {"spot_size": NAN}, "cone"),
+        ("SPOT", {"shadow_soft_size": NAN}, "radius"),
+        ("POINT", {"shadow_soft_size": NAN}, "radius"),
+        ("SUN", {"angle": NAN}, "angle"),
+        ("AREA", {"spread": NAN}, "spread"),
+        ("AREA", {"size": NAN}, "size"),
+    ],
+)
+def test_a17_lights_of_every_kind_that_are_no_numbers_are_named(scene, kind, values, what):
+    add_plane(scene)
+    add_camera(scene)
+    light = add_light(scene, kind, "Lampe\n2", location=(0, 0, 3)).data
+    for name, value in values.items():
+        setattr(light, name, value)
+    fails(scene, f"light 'Lampe\\\\n2': its {what} is not a finite number")
+
+
+@pytest.mark.parametrize("values", [{"strength": NAN}, {"color": (NAN, 1, 1)}])
+def test_a17_glowing_meshes_that_are_no_numbers_are_named(lit_scene, values):
+    add_cube(lit_scene).data.materials.append(emissive_material("Glut", **values))
+    fails(lit_scene, "material 'Glut': a value of its nodes is not a finite number")
+
+
+@pytest.mark.parametrize("pixel", [NAN, INFINITY])
+def test_a17_a_painted_sky_that_is_no_numbers_is_named(lit_scene, pixel):
+    background = sky(lit_scene, "Himmel")
+    picture = bpy.data.images.new("Sky", 8, 4, float_buffer=True)
+    picture.pixels.foreach_set(np.where(np.arange(8 * 4 * 4) == 20, pixel, 1).astype(np.float32))
+    tree = lit_scene.world.node_tree
+    texture = tree.nodes.new("ShaderNodeTexEnvironment")
+    texture.image = picture
+    tree.links.new(texture.outputs["Color"], background.inputs["Color"])
+    fails(lit_scene, "world 'Himmel': its picture has pixels that are not finite")
+
+
+def test_a17_a_sky_of_a_strength_that_is_no_number_is_named(lit_scene):
+    sky(lit_scene, "Himmel").inputs["Strength"].default_value = NAN
+    fails(lit_scene, "world 'Himmel': its colour or strength is not a finite number")
+
+
+def sky(scene, name):
+    """Its Background node."""
+    scene.world = bpy.data.worlds.new(name)
+    scene.world.use_nodes = True
+    return scene.world.node_tree.nodes["Background"]
+
+
+def shaders(scene, name):
+    """A floor's node tree with nothing but the output, and that node's Surface."""
+    material = bpy.data.materials.new(name)
+    material.use_nodes = True
+    material.node_tree.nodes.clear()
+    add_plane(scene, size=20).data.materials.append(material)
+    return material.node_tree, material.node_tree.nodes.new("ShaderNodeOutputMaterial").inputs["Surface"]
+
+
+def added_to_itself(tree, surface, times):
+    last = tree.nodes.new("ShaderNodeBsdfDiffuse").outputs[0]
+    for _ in range(times):
+        node = tree.nodes.new("ShaderNodeAddShader")
+        tree.links.new(last, node.inputs[0])
+        tree.links.new(last, node.inputs[1])
+        last = node.outputs[0]
+    tree.links.new(last, surface)
+
+
+def test_d43_shaders_that_are_added_to_themselves(lit_scene):
+    """2^40 ways through 40 nodes would never end; 2^3 are followed: eight times the light, at most."""
+    tree, surface = shaders(lit_scene, "Doubled")
+    added_to_itself(tree, surface, 3)
+    assert np.isfinite(render_pixels(lit_scene)["Combined"]).all()
+    tree, surface = shaders(lit_scene, "Doubled for ever")
+    added_to_itself(tree, surface, 40)
+    fails(lit_scene, "material 'Doubled for ever': its nodes join shaders in more than 2048 ways")
+
+
+def test_d43_nodes_in_a_long_row(lit_scene):
+    """Longer than Python's stack."""
+    tree, surface = shaders(lit_scene, "Row")
+    emission = tree.nodes.new("ShaderNodeEmission")
+    tree.links.new(emission.outputs[0], surface)
+    last = tree.nodes.new("ShaderNodeRGB").outputs[0]
+    for _ in range(500):
+        node = tree.nodes.new("ShaderNodeInvert")
+        tree.links.new(last, node.inputs["Color"])
+        last = node.outputs[0]
+    tree.links.new(last, emission.inputs["Color"])
+    fails(lit_scene, "material 'Row': too many of its nodes are linked in a row")
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("error_tolerance", NAN), ("error_tolerance", -1.0), ("sampler", 99), ("stop_rule", -1), ("light_samples", -5),
+     ("max_light_samples", 0), ("pixel_samples", -1), ("filter_width", NAN), ("filter_type", 9), ("mirror_depth", -7),
+     ("memory_limit", -9), ("check_interval", 0)],
+)  # fmt: skip
+def test_d46_settings_of_a_hostile_file(lit_scene, name, value):
+    """What a .blend can hold though no panel takes it: an error that names the setting."""
+    lit_scene["penumbra"][name] = value
+    if lit_scene.penumbra.stop_rule == "BOUNDED" and name in ("light_samples", "check_interval"):
+        lit_scene.penumbra.stop_rule = "PAPER" if name == "check_interval" else "FIXED"
+    fails(lit_scene, name)
 
 
 def png(width, height, body=b""):

@@ -9,7 +9,17 @@ from types import SimpleNamespace
 import bpy
 import numpy as np
 import pytest
-from helpers import REPOSITORY, add_area_light, add_camera, add_cube, add_plane, link, render_pixels, run_blender
+from helpers import (
+    REPOSITORY,
+    add_area_light,
+    add_camera,
+    add_cube,
+    add_plane,
+    link,
+    read_exr,
+    render_pixels,
+    run_blender,
+)
 from penumbra import progressive
 from penumbra.export import view
 
@@ -63,7 +73,8 @@ def session(engine, tmp_path_factory):
     assert (folder / "session.json").exists(), log
     assert "Traceback" not in log, log
     recorded = json.loads((folder / "session.json").read_text())
-    for name in recorded.keys() - {"left"}:
+    recorded["final"] = read_exr(folder / "final.exr")["Combined"]
+    for name in recorded.keys() - {"left", "final"}:
         recorded[name] |= np.load(folder / f"{name}.npz")
     return recorded
 
@@ -88,7 +99,7 @@ def test_the_screen_shows_the_picture_through_colour_management(session, step):
 
 
 def test_only_a_change_of_the_scene_is_exported(session):
-    exports = {name: figures["exports"] for name, figures in session.items() if name != "left"}
+    exports = {name: figures["exports"] for name, figures in session.items() if name not in ("left", "final")}
     assert exports["shade"] == exports["select_object"] == exports["orbit"] == exports["look_orthographically"] == 1
     steps = ("move_object", "dim_light", "paint", "deform", "hide", "show")
     assert [exports[step] for step in steps] == [2, 3, 4, 5, 6, 7]
@@ -157,6 +168,17 @@ def test_a_change_cancels_what_runs_and_leaving_frees_it(session):
     assert session["turn"]["seconds_to_first_picture"] < 5
     assert abs(session["turn"]["picture"] - session["ask_too_much"]["picture"]).max() > 0.1
     assert session["left"] == 0
+
+
+def test_a_final_render_while_the_view_renders(session, scene):
+    """Both at once: the final picture is the one that Blender renders alone, and the view was not done meanwhile."""
+    make_scene(scene)
+    scene.objects["Cube"].location.x += 1.5
+    scene.render.film_transparent = True
+    scene.penumbra.stop_rule, scene.penumbra.light_samples = "FIXED", 4096
+    scene.render.resolution_y, scene.render.resolution_x = session["final"].shape[:2]
+    np.testing.assert_array_equal(session["final"], render_pixels(scene)["Combined"])
+    assert not session["render_meanwhile"]["done"] and session["render_meanwhile"]["failure"] == ""
 
 
 def test_the_time_to_the_first_picture_is_known(session, record_property):

@@ -21,6 +21,7 @@ from penumbra import progressive, viewport
 
 SCREEN, FOLDER = (Path(text) for text in sys.argv[sys.argv.index("--") + 1 :])
 TIMEOUT_SECONDS = 60
+FINAL_SIZE = (48, 32)
 SETTLE_SECONDS = 1.0
 """For the last drawing to reach the screen."""
 recorded: dict = {}
@@ -55,7 +56,7 @@ def record(name: str, since: float) -> None:
         "exports": shown.exports, "meshes_read": shown.meshes_read,
         "failure": shown.failure or now.failure, "status": shown.status, "step": now.step,
         "seconds_to_first_picture": now.seconds_to_first_picture, "seconds": perf_counter() - since,
-        "size": [region.width, region.height],
+        "size": [region.width, region.height], "done": now.done,
     }  # fmt: skip
 
 
@@ -172,6 +173,20 @@ def ask_too_much() -> None:
     change_setting("stop_rule", "FIXED")
 
 
+def render_meanwhile() -> None:
+    """A final render (F12), in a thread of Blender's, while the view goes on with its minutes."""
+    scene = bpy.context.scene
+    scene.render.resolution_x, scene.render.resolution_y = FINAL_SIZE
+    scene.render.image_settings.file_format, scene.render.image_settings.color_depth = "OPEN_EXR", "32"
+    scene.render.filepath = str(FOLDER / "final.exr")
+    bpy.context.preferences.view.render_display_type = "NONE"
+    bpy.ops.render.render("INVOKE_DEFAULT", write_still=True)
+
+
+def is_rendered() -> bool:
+    return (FOLDER / "final.exr").exists() and not bpy.app.is_job_running("RENDER")
+
+
 def turn() -> None:
     view()[2].region_3d.view_rotation.rotate(Quaternion((1, 0, 0), 0.5))
 
@@ -185,7 +200,7 @@ STEPS = {
     move_object: is_settled, dim_light: is_settled, paint: is_settled, deform: is_settled, hide: is_settled,
     show: is_settled, draw_border: is_settled, tighten: is_settled, break_settings: is_settled,
     mend_settings: is_settled, break_material: is_settled, mend_material: is_settled, clear_film: is_settled,
-    ask_too_much: is_at_last_picture, turn: has_first_picture,
+    ask_too_much: is_at_last_picture, render_meanwhile: is_rendered, turn: has_first_picture,
 }  # fmt: skip
 """What is done, and what is waited for then."""
 

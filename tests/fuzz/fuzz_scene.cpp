@@ -213,7 +213,7 @@ void render(Bytes& in) {
   auto scene = std::make_shared<Scene>();
   read_camera(in, *scene);
   scene->set_background(read_background(in));
-  const uint32_t images = in.below(8) == 0, materials = 1 + in.below(3), meshes = 1 + in.below(3),
+  const uint32_t images = in.below(8) == 7, materials = 1 + in.below(3), meshes = 1 + in.below(3),
                  instances = in.below(6), lights = in.below(4);
   for (uint32_t i = 0; i < images; ++i) scene->add_image(read_image(in));
   for (uint32_t i = 0; i < materials; ++i) {

@@ -70,13 +70,53 @@ def test_every_layout_is_taken_or_refused_alike(positions, triangles):
     assert len(answers) == 1
 
 
-@given(st.sampled_from(["add_material", "add_instance", "add_area_light", "set_camera", "set_background"]),
+@given(st.sampled_from(["add_material", "add_program", "add_image", "add_instance", "add_area_light", "add_point_light",
+                        "add_sun", "add_mesh_light", "set_camera", "set_background"]),
        st.lists(values | any_array | vectors(values, 3) | vectors(numbers, 2), max_size=6))  # fmt: skip
 def test_any_arguments(method, arguments):
     try:
         getattr(pn.Scene(), method)(*arguments)
     except REFUSALS as error:
         assert str(error).strip()
+
+
+operations = st.tuples(st.sampled_from([*pn.operations(), "nonsense"]), st.integers(-1, 9),
+                       st.lists(st.integers(-1, 9), max_size=9), st.integers(-1, 3),
+                       st.sampled_from([0, 0, 0, 1, 12, -1, 2**31 - 1, -(2**31)]))  # fmt: skip
+CLOSURES = ["diffuse", "disney", "sheen", "glossy", "correlated glossy", "beckmann", "clearcoat", "phong", "emission",
+            "transparent", "holdout", "nonsense"]  # fmt: skip
+closures = st.tuples(st.sampled_from(CLOSURES), *[st.integers(-1, 9)] * 4)
+
+
+@given(hnp.arrays(np.float32, st.tuples(st.integers(0, 9), st.just(3)), elements=st.floats(width=32)),
+       st.lists(operations, max_size=6), st.lists(numbers.filter(lambda x: abs(x) < 1e30), max_size=14),
+       st.lists(closures, max_size=3), st.integers(-1, 9))  # fmt: skip
+def test_any_program(registers, steps, tables, ends, normal):
+    """Refused, or it renders."""
+    scene = pn.Scene()
+    try:
+        image = scene.add_image("image", [(1001, "x.exr", pn.encode_image(np.ones((2, 2, 4), np.float32)))])
+        paint = scene.add_program("paint", registers, steps, np.array([2, 0, *tables], np.float32), ends, normal)
+    except REFUSALS as error:
+        assert str(error).strip()
+        return
+    assert image == 0
+    scene.add_instance("floor", scene.add_mesh("floor", *floor()), np.eye(4), [paint])
+    scene.add_point_light("bulb", light_above(), 0.1, (1, 1, 1))
+    look_down(scene)
+    for rule_name in ("FIXED", "BOUNDED"):
+        finite(scene, {"width": 4, "height": 4, "stop_rule": rule_name, "light_samples": 4, "max_light_samples": 32})
+
+
+def finite(scene, chosen):
+    """Renders; every value of every pass is finite, alpha in 0 ... 1."""
+    job = pn.Render(scene, {"passes": PASSES, "threads": 2, **chosen})
+    job.start()
+    job.finish()
+    for name, pixels in job.passes().items():
+        assert np.isfinite(pixels).all(), name
+    alpha = job.passes()["Combined"][..., 3]
+    assert alpha.min() >= 0 and alpha.max() <= 1
 
 
 SETTINGS = [
@@ -133,6 +173,29 @@ class Scenes(RuleBasedStateMachine):
         placed = np.vstack([matrix, [0, 0, 0, 1]])
         self.attempt(self.scene.add_area_light, "light", shape, placed, size, radiance, shadow)
 
+    @rule(matrix=hnp.arrays(float, (3, 4), elements=plain), radius=numbers, intensity=vectors(numbers, 3),
+          spot=st.none() | vectors(numbers, 2), shape=st.sampled_from(["SPHERE", "FACING_DISK"]))  # fmt: skip
+    def point(self, matrix, radius, intensity, spot, shape):
+        placed = np.vstack([matrix, [0, 0, 0, 1]])
+        self.attempt(self.scene.add_point_light, "bulb", placed, radius, intensity, shape=shape, spot=spot)
+
+    @rule(to_sun=vectors(numbers, 3), angle=numbers, irradiance=vectors(numbers, 3))
+    def sun(self, to_sun, angle, irradiance):
+        self.attempt(self.scene.add_sun, "sun", to_sun, angle, irradiance)
+
+    @rule(
+        positions=hnp.arrays(float, (6, 3), elements=numbers),
+        triangles=hnp.arrays(np.int32, (5, 3), elements=st.integers(0, 6)),
+        radiance=vectors(numbers, 3),
+    )
+    def glowing(self, positions, triangles, radiance):
+        self.attempt(self.scene.add_mesh_light, "glowing", positions, triangles, np.eye(4), radiance)
+
+    @rule(color=vectors(numbers, 3), lights=st.booleans(), smooth=st.booleans(),
+          image=st.none() | hnp.arrays(np.float32, (2, 4, 3), elements=st.floats(width=32)))  # fmt: skip
+    def sky(self, color, lights, smooth, image):
+        self.attempt(self.scene.set_background, color, lights=lights, image=image, smooth=smooth)
+
     @rule()
     def plain_light(self):
         self.attempt(self.scene.add_area_light, "key", "RECTANGLE", light_above(), (1, 1), (3, 3, 3))
@@ -141,16 +204,8 @@ class Scenes(RuleBasedStateMachine):
           region=st.none() | vectors(st.integers(0, 9), 4))  # fmt: skip
     def render(self, rule_name, pixel_samples, region):
         samples = {"light_samples": 8, "max_light_samples": 32, "pixel_samples": pixel_samples, "max_pixel_samples": 32}
-        chosen = {"width": 9, "height": 7, "stop_rule": rule_name, "passes": PASSES, "threads": 2, **samples}
-        job = self.attempt(pn.Render, self.scene, chosen | ({"region": region} if region else {}))
-        if job is None:
-            return
-        job.start()
-        job.finish()
-        for name, pixels in job.passes().items():
-            assert np.isfinite(pixels).all(), name
-        alpha = job.passes()["Combined"][..., 3]
-        assert alpha.min() >= -1e-6 and alpha.max() <= 1 + 1e-6
+        chosen = {"width": 9, "height": 7, "stop_rule": rule_name, **samples}
+        self.attempt(finite, self.scene, chosen | ({"region": region} if region else {}))
 
 
 TestScenes = Scenes.TestCase

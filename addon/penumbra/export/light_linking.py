@@ -38,8 +38,8 @@ class LightLinking:
         self._receivers: dict[int, Group] = {}  # by the pointer of the luminaire's object
         self._blockers: dict[int, Group] = {}
         for evaluated_object in depsgraph.objects:
-            linking = getattr(evaluated_object, "light_linking", None)
-            pointer = evaluated_object.original.as_pointer()
+            original = evaluated_object.original  # whose collections hold originals
+            linking, pointer = getattr(original, "light_linking", None), original.as_pointer()
             if linking and linking.receiver_collection:
                 self._receivers[pointer] = group_of(linking.receiver_collection)
             if linking and linking.blocker_collection:

@@ -14,8 +14,10 @@ from ..notes import Notes
 from .brdf import GREY, Brdf, Lobe, NotThePapers, combine, lobes_of
 from .errors import ExportError
 from .shader import AttributeNames, Compiler, Images, Shaders, default_surface
+from .shader.compiler import UnsupportedNode, live_link, upstream_of
 from .traits import Traits
 
+MOST_SHADERS = 2048
 NOT_REFLECTING = ("phong", "emission", "transparent", "holdout")
 
 
@@ -38,6 +40,27 @@ def paper_lobes(material) -> list[Lobe]:
         return [Lobe("diffuse", np.array(material.diffuse_color)[:3], 0.0, material.name)]
     output = output_node(tree)
     return lobes_of(output.inputs["Surface"], 1.0) if output else []
+
+
+def check_shaders(material) -> None:
+    """Each way from the output to a shader is followed; where nodes join a shader with itself, they double."""
+    tree = compat.node_tree(material)
+    output = output_node(tree) if tree else None
+    waiting = [(output.inputs["Surface"], ())] if output else []
+    for _ in range(MOST_SHADERS):
+        if not waiting:
+            return
+        socket, groups = waiting.pop()
+        link = live_link(socket)
+        if link is None:
+            continue
+        try:
+            upstream = upstream_of(link.from_node, link.from_socket, groups)
+        except UnsupportedNode:
+            continue
+        inner = [(s, groups) for s in link.from_node.inputs if s.type == "SHADER"]
+        waiting += inner if upstream is None else [upstream]
+    raise ExportError(f"material {material.name!r}: its nodes join shaders in more than {MOST_SHADERS} ways")
 
 
 def check_finite(material, lobes: list[Lobe]) -> None:
@@ -89,6 +112,13 @@ class Materials:
         return Exported(self._scene.add_program(name, **compiler.program.arrays()))
 
     def _export(self, material) -> Exported:
+        try:
+            check_shaders(material)
+            return self._translate(material)
+        except RecursionError:
+            raise ExportError(f"material {material.name!r}: too many of its nodes are linked in a row") from None
+
+    def _translate(self, material) -> Exported:
         issues: list[str] = []
         tree = compat.node_tree(material)
         output = output_node(tree) if tree else None

@@ -104,6 +104,8 @@ def export(native_scene, scene, notes: Notes, light_group: int | None = None) ->
     issues: list[str] = []
     world = scene.world
     sky = sky_of(world, issues)
+    if not np.isfinite(sky.colour).all():
+        raise ExportError(f"world {world.name!r}: its colour or strength is not a finite number")
     if sky.image is not None and not np.isfinite(sky.image).all():
         raise ExportError(f"world {world.name!r}: its picture has pixels that are not finite")
     seen_by = compat.world_visibility(world)

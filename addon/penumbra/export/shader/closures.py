@@ -2,7 +2,7 @@
 """Shader nodes -> closures of a program, each weighted by the Mix Shaders that it goes through."""
 
 from ... import compat
-from .compiler import Compiler, Place, UnsupportedNode, live_link
+from .compiler import Compiler, Place, UnsupportedNode, live_link, upstream_of
 from .principled import add_diffuse, principled
 
 GREY = (0.8, 0.8, 0.8)
@@ -26,7 +26,7 @@ class Shaders:
         if link is None or self.program.known(weight) == (0.0, 0.0, 0.0):
             return
         try:
-            upstream = self.compiler.upstream(link.from_node, link.from_socket, groups)
+            upstream = upstream_of(link.from_node, link.from_socket, groups)
         except UnsupportedNode:  # muted without a shader behind it, or an empty group
             return
         if upstream is not None:

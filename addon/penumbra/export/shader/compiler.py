@@ -56,6 +56,27 @@ def socket_with(sockets, identifier: str):
     return next((s for s in sockets if s.identifier == identifier), None)
 
 
+def upstream_of(source, socket, groups: tuple):
+    """(input socket, groups) that an output of a reroute, group, group input or muted node stands for; or None."""
+    if source.bl_idname == "NodeReroute":
+        return source.inputs[0], groups
+    if source.mute:
+        inner = next((link for link in source.internal_links if link.to_socket == socket), None)
+        if inner is None:
+            raise UnsupportedNode(f"node {source.name!r} is muted")
+        return inner.from_socket, groups
+    if source.bl_idname == "NodeGroupInput" and groups:
+        found, inside = socket_with(groups[-1].inputs, socket.identifier), groups[:-1]
+    elif source.bl_idname == "ShaderNodeGroup" and source.node_tree:
+        last, inside = group_output(source.node_tree), (*groups, source)
+        found = socket_with(last.inputs, socket.identifier) if last else None
+    else:
+        return None
+    if found is None:
+        raise UnsupportedNode(f"node {source.name!r} has nothing at {socket.name!r}")
+    return found, inside
+
+
 class Compiler:
     """Writes one material's program. `attributes` gives numbers to names of attributes, `images` to images."""
 
@@ -93,7 +114,7 @@ class Compiler:
 
     def output(self, source, socket, groups: tuple) -> int:
         """The register of a node's output."""
-        upstream = self.upstream(source, socket, groups)
+        upstream = upstream_of(source, socket, groups)
         if upstream is not None:
             return self.socket(*upstream)
         function = NODES.get(source.bl_idname)
@@ -107,26 +128,6 @@ class Compiler:
             self._registers[key] = function(self, Place(source, groups), socket)
             self._open.discard(key)
         return self._registers[key]
-
-    def upstream(self, source, socket, groups: tuple):
-        """(input socket, groups) that an output of a reroute, group, group input or muted node stands for; or None."""
-        if source.bl_idname == "NodeReroute":
-            return source.inputs[0], groups
-        if source.mute:
-            inner = next((link for link in source.internal_links if link.to_socket == socket), None)
-            if inner is None:
-                raise UnsupportedNode(f"node {source.name!r} is muted")
-            return inner.from_socket, groups
-        if source.bl_idname == "NodeGroupInput" and groups:
-            found, inside = socket_with(groups[-1].inputs, socket.identifier), groups[:-1]
-        elif source.bl_idname == "ShaderNodeGroup" and source.node_tree:
-            last, inside = group_output(source.node_tree), (*groups, source)
-            found = socket_with(last.inputs, socket.identifier) if last else None
-        else:
-            return None
-        if found is None:
-            raise UnsupportedNode(f"node {source.name!r} has nothing at {socket.name!r}")
-        return found, inside
 
     def converted(self, register: int, source_type: str, target_type: str) -> int:
         """A value as a socket of another type takes it."""
