@@ -45,7 +45,8 @@ std::vector<Luminaire> many(uint32_t count, Trials& trials, bool colours = true,
         d = AreaLuminaire{"ellipse", LuminaireShape::kEllipse, t, 1, trials.uniform(0.2, 1), radiance};
         break;
       case 2:
-        d = PointLuminaire{"bulb", RoundShape::kSphere, t, i % 4 ? 0.0 : size, radiance * (size * size), true, {}};
+        d = PointLuminaire{"bulb", RoundShape::kSphere, t, i % 4 ? 0.0 : size, radiance * (size * size), true,
+                           {}};
         break;
       case 3:
         d = PointLuminaire{"spot", RoundShape::kFacingDisk, t, size, radiance * (size * size), true, {}};
@@ -233,7 +234,7 @@ TEST(LightTree, NeighboursShareSums) {
       shared += out[i] != exact;
     }
   }
-  EXPECT_GT(shared, 1500);  // of 3200
+  EXPECT_GT(shared, 1500);   // of 3200
   EXPECT_LT(worst, 1.6e-3);  // four times the square of 0.02
 }
 
