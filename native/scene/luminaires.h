@@ -20,7 +20,7 @@ struct LuminaireRole {
   bool to_camera = false, in_mirrors = false;  // it is seen itself (one of a mesh is a surface, seen as such)
   bool diffuse = true, glossy = true;          // kinds of lobes that it lights
   RayMask shadow_rays = kShadowRay;            // which objects hide it
-  std::vector<bool> receivers;                 // by Instance::receiver_set, whether it lights those; none: all
+  std::vector<bool> receivers;  // by Instance::receiver_set, whether it lights those; none: all
 };
 
 enum class LuminaireShape { kRectangle, kEllipse };

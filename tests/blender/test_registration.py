@@ -80,11 +80,14 @@ def test_every_panel_draws(lit_scene, recorded, stop_rule):
     lit_scene.penumbra.stop_rule = stop_rule
     recorded()
     bpy.context.view_layer.objects.active = lit_scene.objects["Light"]
-    context = type("Context", (), {"scene": lit_scene, "view_layer": lit_scene.view_layers[0], "engine": "PENUMBRA",
-                                   "light": lit_scene.objects["Light"].data})  # fmt: skip
+    light = lit_scene.objects["Light"]
+    known = {"scene": lit_scene, "view_layer": lit_scene.view_layers[0], "engine": "PENUMBRA", "object": light}
+    context = type("Context", (), {**known, "light": light.data})
     labels = []
     for cls in kinds_of(panels.PropertiesPanel):
-        assert cls.poll(context)
+        if not cls.poll(context):
+            assert cls.__name__ == "PENUMBRA_RENDER_PT_notes"  # there is nothing to note
+            continue
         panel = Self(cls)
         cls.draw(panel, context)
         labels += panel.layout.labels
