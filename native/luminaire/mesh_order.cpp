@@ -61,8 +61,11 @@ std::vector<Corners> in_curve_order(const std::vector<Corners>& triangles,
     const Vec3d centre =
         (positions[triangles[i][0]] + positions[triangles[i][1]] + positions[triangles[i][2]]) / 3.0;
     uint64_t code = 0;
-    for (int axis = 0; axis < 3; ++axis)
-      code |= spread_bits(uint64_t((centre[axis] - bounds.low[axis]) / size * 0x1FFFFF)) << axis;
+    for (int axis = 0; axis < 3; ++axis) {
+      // The sum of corners near the largest number is beyond it: its place may be nowhere in the box.
+      const double place = (centre[axis] - bounds.low[axis]) / size;
+      code |= spread_bits(uint64_t((place > 0 ? std::min(place, 1.0) : 0.0) * 0x1FFFFF)) << axis;
+    }
     order.emplace_back(code, i);
   }
   std::sort(order.begin(), order.end());

@@ -46,7 +46,7 @@ labels = []
 row = SimpleNamespace(label=lambda text, **options: labels.append(text), alert=False)
 addon = bpy.context.preferences.addons["penumbra"].preferences
 type(addon).draw(SimpleNamespace(layout=SimpleNamespace(box=lambda: row)), None)
-print("PREFERENCES", "".join(labels))
+print("PREFERENCES", " ".join(labels))
 """
 
 

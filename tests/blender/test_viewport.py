@@ -111,7 +111,7 @@ def test_only_a_change_of_the_scene_is_exported(session):
 def test_only_meshes_that_may_have_changed_are_read(session):
     """A transform, a light and a material leave both meshes alone. What is hidden and shown again may have got another
     address: then all that is there is read, and found to be what it was."""
-    read = {name: figures["meshes_read"] for name, figures in session.items() if name != "left"}
+    read = {name: figures["meshes_read"] for name, figures in session.items() if isinstance(figures, dict)}
     assert read["shade"] == read["move_object"] == read["dim_light"] == read["paint"] == 2
     assert (read["deform"], read["hide"], read["show"]) == (4, 5, 7)
 
@@ -174,6 +174,10 @@ def test_a_final_render_while_the_view_renders(session, scene):
     """Both at once: the final picture is the one that Blender renders alone, and the view was not done meanwhile."""
     make_scene(scene)
     scene.objects["Cube"].location.x += 1.5
+    bpy.data.lights["Light"].energy /= 2
+    bpy.data.materials["Paint"].diffuse_color = (0.2, 0.5, 0.1, 1)
+    for vertex in scene.objects["Cube"].data.vertices:
+        vertex.co.z *= 1.5
     scene.render.film_transparent = True
     scene.penumbra.stop_rule, scene.penumbra.light_samples = "FIXED", 4096
     scene.render.resolution_y, scene.render.resolution_x = session["final"].shape[:2]

@@ -138,8 +138,9 @@ FURNACES = {
 @pytest.mark.parametrize("name", COMBINATIONS)
 def test_a20_furnaces(name, furnace):
     """Light of radiance 1 from everywhere: a convex body sends back its albedo. BOUNDED exactly, but for a picture's 32
-    pixels, each of them one direction; else within the claimed error in as many pixels as in test_a_luminaires.py, or,
-    where VARIANCE stops a half sky of which little is seen early, in 70 %."""
+    pixels, each of them one direction; else within the claimed error in as many pixels as in test_a_luminaires.py.
+    VARIANCE may stop a half sky of which little is seen early, where its claim is worth nothing (README): there the
+    error of the mean is at most 10 %."""
     scene = pn.Scene()
     add(scene, "patch", parallelogram([-0.2, -0.2, 0], [0.4, 0, 0], [0, 0.4, 0]), rotation([1, 2, 3], 40))
     FURNACES[furnace](scene)
@@ -148,6 +149,8 @@ def test_a20_furnaces(name, furnace):
     error = np.maximum(np.abs(picture.red - RHO) - 3e-7, 0)  # a float32 pixel
     if COMBINATIONS[name]["stop_rule"] == "BOUNDED":
         assert error.max() < (5e-4 if furnace == "white picture" else 3e-6)
+    elif name.startswith("VARIANCE") and furnace == "two half skies":
+        assert abs(picture.red.mean() - RHO) <= 0.1 * RHO
     else:
-        share = 0.7 if name.startswith("VARIANCE") and furnace == "two half skies" else 0.8 if "PRS" in name else 0.95
+        share = 0.8 if "PRS" in name else 0.95
         assert (error <= picture.passes["Error Estimate"][..., 0]).mean() >= share
