@@ -147,6 +147,11 @@ def light_colour(light) -> tuple[float, float, float]:
     return tuple(factor * c * t for c, t in zip(light.color, temperature, strict=True))
 
 
+def light_is_normalized(light) -> bool:
+    """Whether a light's power is that of the whole, not of each square metre (Blender 4.5+ has the choice)."""
+    return getattr(light, "normalize", True)
+
+
 def light_casts_shadows(light) -> bool:
     """Whether a light casts shadows. In older versions Cycles has a switch of its own beside Blender's: both count."""
     return light.use_shadow and getattr(getattr(light, "cycles", None), "cast_shadow", True)

@@ -22,8 +22,8 @@ constexpr float kFar = 1.0f / 6;
 /// (visibility/geometry.cpp), so that the triangle and its neighbours do not hide them.
 constexpr float kInFront = 0x1p-19f;
 
-/// Columns of the loop over triangles: corners relative to the bounds' centre, the normal times area / 3,
-/// and the least distance squared from which it is far.
+/// Columns of the loop over triangles: corners relative to the bounds' centre, the normal times area x weight
+/// / 3, and the least distance squared from which it is far.
 enum Column { kA, kB = 3, kC = 6, kNormal = 9, kFarSquare = 12, kColumns = 13 };
 
 constexpr uint32_t kLane = 64;
@@ -69,29 +69,32 @@ void far_form_factors(const std::vector<float>* columns, size_t first, const Far
 }  // namespace
 
 MeshEmitter::MeshEmitter(const MeshLuminaire& description, const Normalization& normalization)
-    : closed_(is_closed(description.triangles)) {
+    : closed_(description.weights.empty() && is_closed(description.triangles)),
+      one_sided_(description.one_sided) {
   std::vector<Vec3d> positions;
   for (const Vec3d& p : description.positions) positions.push_back(normalization.point(p));
   for (const auto& corners : description.triangles)
     for (uint32_t corner : corners) bounds_.include(positions[corner]);
   std::vector<double> areas;
   const auto triangles = closed_ ? outward(description.triangles, positions) : description.triangles;
-  for (const auto& corners : in_curve_order(triangles, positions, bounds_)) {
+  for (const size_t i : curve_order(triangles, positions, bounds_)) {
+    const auto& corners = triangles[i];
     Triangle t;
+    t.weight = description.weights.empty() ? 1 : double(description.weights[i]);
     t.corner = positions[corners[0]];
     t.edge1 = positions[corners[1]] - t.corner;
     t.edge2 = positions[corners[2]] - t.corner;
     const Vec3d normal = cross(t.edge1, t.edge2);
     const double area = length(normal) / 2;
-    if (!(area > 0)) continue;
+    if (!(area * t.weight > 0)) continue;
     t.normal = normal / (2 * area);
     triangles_.push_back(t);
-    areas.push_back(area);
-    area_ += area;
+    areas.push_back(area * t.weight);
+    power_ += area * t.weight;
   }
   double part = 0;
   for (double area : areas) {
-    cumulative_.push_back(float(part / area_));
+    cumulative_.push_back(float(part / power_));
     part += area;
   }
   cumulative_.push_back(1);
@@ -116,6 +119,7 @@ MeshEmitter::MeshEmitter(const MeshLuminaire& description, const Normalization& 
 
 bool MeshEmitter::one_sided_from(const Vec3d& p) const {
   const Vec3d low = bounds_.low, high = bounds_.high;
+  if (one_sided_) return true;
   return closed_ &&
          (p.x < low.x || p.y < low.y || p.z < low.z || p.x > high.x || p.y > high.y || p.z > high.z);
 }
@@ -130,7 +134,7 @@ double MeshEmitter::triangle_form_factor(const Triangle& t, const SurfacePoint& 
   const Vec3d a = t.corner - surface.position;
   const Vec3d vertices[3] = {a, a + t.edge1, a + t.edge2};
   const Vec3d edges[3] = {t.edge1, t.edge2 - t.edge1, -t.edge2};
-  return polygon_form_factor(vertices, edges, surface.normal);
+  return t.weight * polygon_form_factor(vertices, edges, surface.normal);
 }
 
 double MeshEmitter::form_factor(const SurfacePoint& surface) const {
@@ -159,11 +163,11 @@ std::vector<LightElement> MeshEmitter::elements() const {
     // taken apart by completing the square.
     e.half_u = (t.edge1 - t.edge2 * 0.5) / std::sqrt(18.0);
     e.half_v = t.edge2 * std::sqrt(0.75 / 18);
-    e.strength = length(cross(t.edge1, t.edge2)) / (2 * kPi);
+    e.strength = t.weight * length(cross(t.edge1, t.edge2)) / (2 * kPi);
     const Vec3d to_corner = t.corner - e.centre;
     e.radius = std::max({length(to_corner), length(to_corner + t.edge1), length(to_corner + t.edge2)});
-    e.two_sided = !closed_;
-    e.two_sided_near = true;
+    e.two_sided = !closed_ && !one_sided_;
+    e.two_sided_near = !one_sided_;
     if (closed_) {  // one-sided from outside the bounding box
       for (const Vec3d& corner : bounds_.corners()) e.near = std::max(e.near, length(corner - e.centre));
     }
@@ -185,7 +189,7 @@ void MeshEmitter::evaluate(const SurfacePoint& surface, const float* u, const fl
                            LightPoints& out) const {
   const Vec3f n(surface.normal);
   const bool one_sided = one_sided_from(surface.position);
-  const auto scale = float(area_ / kPi);
+  const auto scale = float(power_ / kPi);
   const float in_front = kInFront * float(max_abs(bounds_.centre()) + max_abs(bounds_.extent()));
   for (uint32_t i = 0; i < count; ++i) {
     const auto above = std::upper_bound(cumulative_.begin() + 1, cumulative_.end() - 1, u[i]);

@@ -53,8 +53,8 @@ std::vector<Corners> outward(std::vector<Corners> triangles, const std::vector<V
   return triangles;
 }
 
-std::vector<Corners> in_curve_order(const std::vector<Corners>& triangles,
-                                    const std::vector<Vec3d>& positions, const Box& bounds) {
+std::vector<size_t> curve_order(const std::vector<Corners>& triangles, const std::vector<Vec3d>& positions,
+                                const Box& bounds) {
   const double size = std::max(max_abs(bounds.extent()), 1e-300);
   std::vector<std::pair<uint64_t, size_t>> order;
   for (size_t i = 0; i < triangles.size(); ++i) {
@@ -69,8 +69,8 @@ std::vector<Corners> in_curve_order(const std::vector<Corners>& triangles,
     order.emplace_back(code, i);
   }
   std::sort(order.begin(), order.end());
-  std::vector<Corners> result;
-  for (const auto& [code, i] : order) result.push_back(triangles[i]);
+  std::vector<size_t> result;
+  for (const auto& [code, i] : order) result.push_back(i);
   return result;
 }
 

@@ -18,8 +18,8 @@ bool is_closed(const std::vector<Corners>& triangles);
 /// The triangles of a closed mesh, each connected part turned so that its volume is positive.
 std::vector<Corners> outward(std::vector<Corners> triangles, const std::vector<Vec3d>& positions);
 
-/// The triangles along a Morton curve through their centres.
-std::vector<Corners> in_curve_order(const std::vector<Corners>& triangles,
-                                    const std::vector<Vec3d>& positions, const Box& bounds);
+/// The triangles' numbers along a Morton curve through their centres.
+std::vector<size_t> curve_order(const std::vector<Corners>& triangles, const std::vector<Vec3d>& positions,
+                                const Box& bounds);
 
 }  // namespace penumbra

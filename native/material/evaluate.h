@@ -20,8 +20,9 @@ std::vector<std::string> operation_names();
 /// Evaluates operations whose inputs are constants once and for all, and drops them.
 void fold(Program& program);
 
-/// What of a program its transparency takes.
-Program transparency_of(const Program& program);
+/// What of a program the closures of one kind take, transparency's or emission's, whose colour is all there
+/// is.
+Program part_of(const Program& program, ClosureKind kind);
 
 /// True if the closures are the same wherever and from wherever the surface is seen.
 bool is_constant(const Program& program);

@@ -12,7 +12,8 @@ namespace penumbra {
 
 class Textures;
 
-enum class RayKind : uint8_t { kCamera, kMirror, kShadow };
+/// kLight: none that is seen; light that a surface sends to others.
+enum class RayKind : uint8_t { kCamera, kMirror, kShadow, kLight };
 
 /// The surface at a point as node trees see it: world space, metres.
 struct SurfaceSample {

@@ -74,9 +74,9 @@ void fold(Program& program) {
                                      [](const Operation& o) { return o.shift > 0; });
 }
 
-Program transparency_of(const Program& program) {
+Program part_of(const Program& program, ClosureKind kind) {
   Program result = program;
-  std::erase_if(result.closures, [](const ClosureStep& c) { return c.kind != ClosureKind::kTransparent; });
+  std::erase_if(result.closures, [kind](const ClosureStep& c) { return c.kind != kind; });
   result.normal = 0;
   std::set<uint16_t> wanted;
   for (const ClosureStep& closure : result.closures) wanted.insert(closure.colour);

@@ -165,6 +165,13 @@ surface that faces it.)")
           R"(Adds triangles as one luminaire that emits on both sides; they should be part of a mesh of the scene, too.
 
 Arguments as of add_mesh and add_instance. radiance: (r, g, b), W/(sr m^2).)")
+      .def(
+          "add_textured_mesh_light",
+          [](PythonScene& self, const std::string& name, uint32_t instance, const LuminaireRole& role) {
+            self.scene->add_luminaire(TexturedLuminaire{name, instance, role});
+          },
+          py::arg("name"), py::arg("instance"), py::arg("role") = LuminaireRole{},
+          "Makes luminaires of an instance's triangles whose materials' emission varies (see emission_of).")
       .def_static(
           "area_of",
           [](const std::string& shape, const py::array& world_from_light, const Pair& size) {

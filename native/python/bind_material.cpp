@@ -83,19 +83,44 @@ class ProgramReader {
   Program program_;
 };
 
+Program read_program(const std::string& name, const FloatArray& registers,
+                     const std::vector<PythonOperation>& operations, const FloatArray& tables,
+                     const std::vector<PythonClosure>& closures, int normal, size_t images) {
+  ProgramReader reader(name, registers, tables, images);
+  for (const auto& operation : operations) reader.add(operation);
+  for (const auto& closure : closures) reader.add(closure);
+  return reader.finish(normal);
+}
+
+using MaybeColor = std::optional<std::array<double, 3>>;
+
+/// What a program emits; none where that varies.
+MaybeColor emission_of_program(const std::string& name, const FloatArray& registers,
+                               const std::vector<PythonOperation>& operations, const FloatArray& tables,
+                               const std::vector<PythonClosure>& closures, int normal) {
+  const Program emission =
+      part_of(read_program(name, registers, operations, tables, closures, normal, 0), ClosureKind::kEmission);
+  if (!emission.operations.empty()) return std::nullopt;
+  const Vec3d e = constant_closures(emission).emission;
+  return std::array<double, 3>{e.x, e.y, e.z};
+}
+
 uint32_t add_program(PythonScene& self, const std::string& name, const FloatArray& registers,
                      const std::vector<PythonOperation>& operations, const FloatArray& tables,
                      const std::vector<PythonClosure>& closures, int normal) {
-  ProgramReader reader(name, registers, tables, self.scene->images().size());
-  for (const auto& operation : operations) reader.add(operation);
-  for (const auto& closure : closures) reader.add(closure);
-  Program program = reader.finish(normal);
+  Program program =
+      read_program(name, registers, operations, tables, closures, normal, self.scene->images().size());
   Material material;
   if (is_constant(program)) {
     static_cast<Closures&>(material) = constant_closures(program);
   } else {
     if (program.has(ClosureKind::kTransparent))
-      material.shadow_program = std::make_shared<const Program>(transparency_of(program));
+      material.shadow_program = std::make_shared<const Program>(part_of(program, ClosureKind::kTransparent));
+    Program emission = part_of(program, ClosureKind::kEmission);
+    if (emission.operations.empty())
+      material.emission = constant_closures(emission).emission;
+    else
+      material.emission_program = std::make_shared<const Program>(std::move(emission));
     material.program = std::make_shared<const Program>(std::move(program));
   }
   material.name = name;
@@ -149,6 +174,9 @@ py::bytes encode(const FloatArray& pixels) {
 void bind_material(py::module_& module, py::class_<PythonScene>& scene) {
   module.attr("MAX_LOBES") = Closures::kMaxLobes;
   module.def("operations", &operation_names, "Names of the operations that Scene.add_program knows.");
+  module.def("emission_of_program", &emission_of_program, py::arg("name"), py::arg("registers"),
+             py::arg("operations"), py::arg("tables"), py::arg("closures"), py::arg("normal") = 0,
+             "What a program emits (r, g, b), None where it varies. Arguments as of Scene.add_program.");
   module.def("encode_image", &encode, py::arg("pixels"),
              "(height, width, channels) float32, bottom row first, as the bytes of an OpenEXR file.");
   scene
@@ -159,6 +187,18 @@ void bind_material(py::module_& module, py::class_<PythonScene>& scene) {
 registers: (R, 3) float32, the initial values; number 0 is zero. operations: (name, out, inputs, shift, data), each writing
 the registers out and out + 1. closures: (kind, colour, edge, ior, roughness), numbers of registers. normal: register of the
 shading normal, 0 for the surface's own. What does not vary is computed here, once.)")
+      .def(
+          "emission_of",
+          [](const PythonScene& self, uint32_t material) -> MaybeColor {
+            const auto& materials = self.scene->materials();
+            if (material >= materials.size())
+              throw py::value_error("there is no material with number " + std::to_string(material));
+            if (materials[material].emission_program) return std::nullopt;
+            const Vec3d& e = materials[material].emission;
+            return std::array<double, 3>{e.x, e.y, e.z};
+          },
+          py::arg("material"),
+          "Radiance (r, g, b) that a material's surface sends out on both sides; None where it varies.")
       .def("add_image", &add_image, py::arg("name"), py::arg("files"), py::arg("tiled") = false,
            py::arg("wrap") = "REPEAT", py::arg("interpolation") = "Linear", py::arg("srgb") = false,
            py::arg("alpha") = "COVERAGE",

@@ -106,7 +106,7 @@ class PythonRender {
     materials_ = scene.materials;
     build_seconds_ = scene.build_seconds;
     scene_hash_ = scene.scene->hash();
-    luminaires_ = scene.scene->luminaires().size();
+    luminaires_ = scene.scene->luminaires().size() + scene.scene->textured_luminaires().size();
   }
 
   Renderer& renderer() { return *renderer_; }

@@ -200,13 +200,13 @@ Returns the material's number.)")
           "add_instance",
           [](PythonScene& self, const std::string& name, uint32_t mesh, const py::array& world_from_object,
              const std::vector<uint32_t>& materials, RayMask rays, uint32_t receiver_set) {
-            self.scene->add_instance({name, mesh,
-                                      read_transform(world_from_object, name, "world_from_object"), materials,
-                                      rays, receiver_set});
+            return self.scene->add_instance({name, mesh,
+                                             read_transform(world_from_object, name, "world_from_object"),
+                                             materials, rays, receiver_set});
           },
           py::arg("name"), py::arg("mesh"), py::arg("world_from_object"), py::arg("materials"),
           py::arg("rays") = kAnyRay, py::arg("receiver_set") = 0,
-          R"(Places a mesh. world_from_object: (4, 4) float64. materials: numbers of materials, one a slot; slots beyond
+          R"(Places a mesh and returns the instance's number. world_from_object: (4, 4) float64. materials: numbers of materials, one a slot; slots beyond
 the end use the last one. rays: the kinds of rays that it is there for, a sum of CAMERA_RAY, MIRROR_RAY, SHADOW_RAY and
 blocker_set_ray(n). receiver_set: a number that LuminaireRole.receivers
 refers to.)")

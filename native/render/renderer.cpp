@@ -18,6 +18,7 @@
 #include "render/crash_note.h"
 #include "render/debug_pixel.h"
 #include "render/filtered_block.h"
+#include "render/textured_luminaires.h"
 
 namespace penumbra {
 namespace {
@@ -54,10 +55,14 @@ std::vector<float>::iterator percentile_99(std::vector<float>& values) {
   return p99;
 }
 
-std::vector<Luminaire> emitting_luminaires(const Scene& scene, const Normalization& normalization) {
+std::vector<Luminaire> emitting_luminaires(const Scene& scene, const Geometry& geometry,
+                                           const Materials& materials) {
+  const Normalization& normalization = geometry.normalization();
   std::vector<Luminaire> luminaires;
   for (size_t i = 0; i < scene.luminaires().size(); ++i)
     luminaires.emplace_back(scene.luminaires()[i], normalization, scene.light_group_of(i));
+  for (Luminaire& part : textured_luminaires(scene, geometry, materials))
+    luminaires.push_back(std::move(part));
   for (Luminaire& part : sky_luminaires(scene.background())) luminaires.push_back(std::move(part));
   std::erase_if(luminaires, [](const Luminaire& luminaire) { return luminaire.dark(); });
   return luminaires;
@@ -90,7 +95,7 @@ Renderer::Renderer(std::shared_ptr<const Scene> scene, std::shared_ptr<const Geo
       paths_(*scene_, *geometry_, *materials_, settings_),
       pixel_light_sampler_(pixel_light_samples(settings_, camera_), settings_.seed, camera_.has_lens()),
       pixel_rays_(camera_, filter_, pixel_light_sampler_),
-      luminaires_(emitting_luminaires(*scene_, geometry_->normalization())),
+      luminaires_(emitting_luminaires(*scene_, *geometry_, *materials_)),
       lighting_(make_lighting(*geometry_, *light_sampler_, settings_)) {
   if (settings_.stop_rule == StopRuleKind::kBounded && luminaires_.size() > kFewLuminaires)
     light_tree_ = std::make_unique<LightTree>(luminaires_);

@@ -10,6 +10,7 @@
 #include <variant>
 #include <vector>
 
+#include "scene/object_traits.h"
 #include "math/transform.h"
 #include "scene/ray_mask.h"
 
@@ -70,7 +71,8 @@ struct SunLuminaire {
   LuminaireRole role = {};
 };
 
-/// Triangles of constant radiance, on both sides. The same triangles are part of the scene's geometry.
+/// Triangles of constant radiance, on both sides or on that of their normals. The same triangles are part of
+/// the scene's geometry.
 struct MeshLuminaire {
   std::string name;
   std::vector<Vec3d> positions;  // world space
@@ -78,6 +80,16 @@ struct MeshLuminaire {
   Vec3d radiance;  // W / (sr m^2)
   bool cast_shadow = true;
   LuminaireRole role = {};
+  std::vector<float> weights = {};  // by triangle, what the radiance is multiplied with; none: 1
+  bool one_sided = false;
+};
+
+/// All triangles of an instance whose materials' emission varies over the surface.
+struct TexturedLuminaire {
+  std::string name;
+  uint32_t instance;
+  LuminaireRole role = {};
+  uint32_t light_group = kNoLightGroup;  // given by the scene
 };
 
 using LuminaireDescription = std::variant<AreaLuminaire, PointLuminaire, SunLuminaire, MeshLuminaire>;

@@ -148,7 +148,7 @@ uint32_t Scene::add_image(Image image) {
   return uint32_t(images_.size() - 1);
 }
 
-void Scene::add_instance(Instance instance) {
+uint32_t Scene::add_instance(Instance instance) {
   const std::string& name = instance.name;
   check_not_frozen(name);
   if (instance.mesh >= meshes_.size()) refuse(name, "no mesh with number " + std::to_string(instance.mesh));
@@ -163,6 +163,7 @@ void Scene::add_instance(Instance instance) {
   instance.traits = traits_;
   if (traits_.indirect_only) instance.rays &= ~kCameraRay;
   instances_.push_back(std::move(instance));
+  return uint32_t(instances_.size() - 1);
 }
 
 void Scene::add_luminaire(AreaLuminaire luminaire) {
@@ -260,6 +261,15 @@ void Scene::set_material_ids(uint32_t material, float pass_index, float matte) {
 void Scene::set_uv_attribute(uint32_t attribute) {
   hash_ = hash_of(hash_, attribute);
   uv_attribute_ = attribute;
+}
+
+void Scene::add_luminaire(TexturedLuminaire luminaire) {
+  if (luminaire.instance >= instances_.size())
+    refuse(luminaire.name, "no instance with number " + std::to_string(luminaire.instance));
+  hash_ = hash_of_role(hash_of(hash_, luminaire.instance), luminaire.role);
+  luminaire.light_group = traits_.light_group;
+  hash_ = hash_of(hash_, luminaire.light_group);
+  textured_luminaires_.push_back(std::move(luminaire));
 }
 
 void Scene::set_camera(const Camera& camera) {

@@ -54,9 +54,10 @@ struct Instance {
 /// varies over the surface come from its program.
 struct Material : Closures {
   std::string name;
-  std::shared_ptr<const Program> program;         // null: constant
-  std::shared_ptr<const Program> shadow_program;  // of it what transparency takes, for shadow rays
-  float pass_index = 0, matte = 0;                // for passes; the matte is Cryptomatte's id
+  std::shared_ptr<const Program> program;           // null: constant
+  std::shared_ptr<const Program> shadow_program;    // of it what transparency takes, for shadow rays
+  std::shared_ptr<const Program> emission_program;  // and emission; null: `emission` everywhere
+  float pass_index = 0, matte = 0;                  // for passes; the matte is Cryptomatte's id
 
   bool may_be_glossy() const { return program ? program->may_be_glossy() : has_glossy(); }
   bool may_mirror() const { return program ? program->may_mirror() : max_component(mirror) > 0; }
@@ -90,7 +91,8 @@ class Scene {
   /// A material that follows Cycles' rules instead: nothing about it is refused.
   uint32_t add_shader(Material material);
   uint32_t add_image(Image image);
-  void add_instance(Instance instance);
+  /// Returns its number, as Geometry counts them.
+  uint32_t add_instance(Instance instance);
   void add_luminaire(AreaLuminaire luminaire);
   void add_luminaire(PointLuminaire luminaire);
   void add_luminaire(SunLuminaire luminaire);
@@ -102,6 +104,7 @@ class Scene {
   void set_material_ids(uint32_t material, float pass_index, float matte);
   /// Number of the attribute that the pass UV shows.
   void set_uv_attribute(uint32_t attribute);
+  void add_luminaire(TexturedLuminaire luminaire);
   void set_camera(const Camera& camera);
   void set_background(const Background& background);
 
@@ -118,6 +121,7 @@ class Scene {
   uint32_t light_group_of(size_t luminaire) const { return luminaire_groups_[luminaire]; }
   const std::vector<std::string>& light_groups() const { return light_groups_; }
   std::optional<uint32_t> uv_attribute() const { return uv_attribute_; }
+  const std::vector<TexturedLuminaire>& textured_luminaires() const { return textured_luminaires_; }
   const Camera& camera() const;
   const Background& background() const { return background_; }
   bool has_mirrors() const { return has_mirrors_; }
@@ -136,6 +140,7 @@ class Scene {
   std::vector<std::string> light_groups_;
   std::optional<uint32_t> uv_attribute_;
   ObjectTraits traits_;
+  std::vector<TexturedLuminaire> textured_luminaires_;
   Camera camera_;
   Background background_;
   bool has_camera_ = false, has_mirrors_ = false, has_transparency_ = false, frozen_ = false;

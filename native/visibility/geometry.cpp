@@ -150,4 +150,29 @@ void Geometry::surface_point(const Ray& ray, const Hit& hit, SurfacePoint& s) co
   s.receiver_set = instance.receiver_set;
 }
 
+uint32_t Geometry::triangles_of(uint32_t instance) const {
+  const PlacedInstance& placed = instances_[instance];
+  const bool visible = placed.render_from_object.determinant() != 0;
+  return visible ? uint32_t(meshes_[placed.mesh]->triangles.size()) : 0;
+}
+
+SurfacePoint Geometry::surface_point(const Hit& hit, double u, double v, bool from_behind) const {
+  const PlacedInstance& instance = instances_[hit.instance];
+  const PlacedMesh& mesh = *meshes_[instance.mesh];
+  const auto& corners = mesh.triangles[hit.triangle];
+  Vec3d at[3];
+  for (int i = 0; i < 3; ++i) {
+    at[i] = Vec3d(mesh.positions[corners[i]]);
+    if (instance.shared) at[i] = instance.render_from_mesh.point(at[i]);
+  }
+  const Vec3d edge1 = at[1] - at[0], edge2 = at[2] - at[0];
+  // Straight down on it, from about a triangle's size away.
+  const Vec3d across = cross(edge1, edge2) * instance.orientation, down = from_behind ? across : -across;
+  const double size = std::max(max_abs(edge1), max_abs(edge2));
+  const Vec3d direction = normalize(down) * size;
+  SurfacePoint s;
+  surface_point({at[0] + edge1 * u + edge2 * v - direction, direction}, hit, s);
+  return s;
+}
+
 }  // namespace penumbra

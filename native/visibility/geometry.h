@@ -52,6 +52,12 @@ class Geometry {
   /// Position and normals where `ray` meets the triangle of `hit`, recomputed in double from its vertices.
   void surface_point(const Ray& ray, const Hit& hit, SurfacePoint& out) const;
 
+  /// A point of a triangle, seen from the side of its normal or from behind; u, v: barycentric weights of its
+  /// second and third corner. `t` is 1.
+  SurfacePoint surface_point(const Hit& hit, double u, double v, bool from_behind) const;
+  /// Of an instance, in the numbers that hits have; none if a scale of zero leaves nothing of it.
+  uint32_t triangles_of(uint32_t instance) const;
+
   uint64_t triangles() const { return triangle_count_; }
   uint64_t instances() const { return instances_.size(); }
   uint64_t meshes() const { return meshes_.size(); }

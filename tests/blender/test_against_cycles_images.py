@@ -7,7 +7,8 @@ import numpy as np
 import OpenImageIO as oiio
 import pytest
 from cycles_reference import colour, render_with_penumbra
-from material_scenes import Tree, assert_values_equal, material_notes, show
+from material_scenes import Tree, assert_values_equal, show
+from penumbra import statistics
 
 
 def write(path, channels: int = 3, kind=oiio.UINT8, size=(8, 16), seed: int = 1, scale: float = 1.0):
@@ -127,7 +128,7 @@ def magenta_and_notes(scene, image):
     show(scene, tree.emit(texture(tree, image)))
     picture = colour(render_with_penumbra(scene, 16))
     assert (picture[5, 24] == (1, 0, 1)).all()
-    return material_notes()
+    return statistics.last_render["warnings"]
 
 
 @pytest.mark.parametrize("content", [None, b"", b"no picture", b"\x89PNG\r\n\x1a\n" + bytes(64)])
@@ -150,7 +151,7 @@ def test_a_damaged_file_ends_in_a_note(scene, tmp_path):
     tree = Tree("Wall")
     show(scene, tree.emit(texture(tree, image)))
     assert np.isfinite(colour(render_with_penumbra(scene, 16))).all()
-    assert all("image 'a.png'" in note for note in material_notes())
+    assert all("image 'a.png'" in note for note in statistics.last_render["warnings"])
 
 
 def test_a_header_that_promises_too_much_is_refused(scene, tmp_path):

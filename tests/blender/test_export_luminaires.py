@@ -173,7 +173,31 @@ def test_textured_emission_is_named(scene, recorded, node, socket):
     texture = tree.nodes.new(node)
     tree.links.new(texture.outputs[0], tree.nodes["Emission"].inputs[socket])
     (note,) = recorded().notes
-    assert note.startswith(f"light 'Light': node {texture.name!r} at {socket!r} is not supported yet")
+    assert note.startswith(f"light 'Light': node {texture.name!r}")
+    assert "is not supported yet" in note and f"at {socket!r}" in note and "own" in note
+
+
+def test_nodes_that_come_to_a_constant(scene, recorded):
+    """A group around a Math node, a Blackbody and a Light Falloff node; unlinked light of the world is none."""
+    light = add_light(scene, "POINT", power=4 * math.pi).data
+    light.use_nodes = True
+    tree = light.node_tree
+    emission = tree.nodes["Emission"]
+    falloff, double = tree.nodes.new("ShaderNodeLightFalloff"), tree.nodes.new("ShaderNodeMath")
+    double.operation = "MULTIPLY"
+    double.inputs[0].default_value, double.inputs[1].default_value = 3.0, 0.5
+    tree.links.new(double.outputs[0], falloff.inputs["Strength"])
+    tree.links.new(falloff.outputs["Quadratic"], emission.inputs["Strength"])
+    mix = tree.nodes.new("ShaderNodeMixShader")
+    mix.inputs[0].default_value = 0.5
+    tree.links.new(emission.outputs[0], mix.inputs[1])
+    tree.links.new(mix.outputs[0], tree.nodes["Light Output"].inputs["Surface"])
+    found = recorded()
+    np.testing.assert_allclose(found.lights[0].intensity, (0.75, 0.75, 0.75), rtol=1e-6)
+    assert found.notes == []
+    tree.links.new(falloff.outputs["Constant"], emission.inputs["Strength"])
+    (note,) = recorded().notes
+    assert "only quadratic" in note and "'Light Falloff'" in note
 
 
 def test_a_light_whose_output_is_not_linked_is_dark(scene, recorded):

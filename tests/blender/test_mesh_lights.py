@@ -88,17 +88,6 @@ def test_principled_emission(scene, monkeypatch):
     assert record(scene, monkeypatch).lights[0].radiance == (1.5, 3.0, 0.0)
 
 
-def test_textured_emission_is_noted(scene, monkeypatch):
-    add_camera(scene)
-    material = emissive_material("Screen")
-    tree = material.node_tree
-    tree.links.new(tree.nodes.new("ShaderNodeTexChecker").outputs[0], tree.nodes["Emission"].inputs["Color"])
-    add_plane(scene).data.materials.append(material)
-    found = record(scene, monkeypatch)
-    assert found.lights == []
-    assert any("'Emission' emits by a texture, which does not light the scene yet" in note for note in found.notes)
-
-
 def test_an_object_that_no_reflected_rays_see_lights_nothing(scene, monkeypatch):
     add_camera(scene)
     lamp = add_plane(scene)

@@ -154,5 +154,29 @@ TEST(Mesh, FlatAndEmptyOnesAreDark) {
       Luminaire(MeshLuminaire{"line", {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, {{0, 1, 2}}, {1, 1, 1}}, {}).dark());
 }
 
+TEST(Mesh, WeightedTrianglesAddUp) {
+  // Oracle: Lambert's formula for each triangle times its weight, on both sides or on one; the mean of
+  // sampled points, which go where the weight is.
+  Trials trials(47);
+  for (int trial = 0; trial < 40; ++trial) {
+    MeshLuminaire mesh = ball(0.5, 8);
+    mesh.one_sided = trial % 2;
+    mesh.triangles.resize(mesh.triangles.size() / 2);  // a part of the ball: it has no inside
+    for (size_t i = 0; i < mesh.triangles.size(); ++i)
+      mesh.weights.push_back(i % 5 == 0 ? 0.0f : float(trials.uniform(0.1, 4)));
+    const Luminaire luminaire(mesh, {});
+    const Vec3d point = trials.direction() * trials.uniform(0.9, 4), n = trials.direction();
+    double exact = 0, facing = 0;
+    for (size_t i = 0; i < mesh.triangles.size(); ++i) {
+      MeshLuminaire one = mesh;
+      one.triangles = {mesh.triangles[i]};
+      exact += double(mesh.weights[i]) * lambert(one, point, n, mesh.one_sided);
+      facing += double(mesh.weights[i]) * lambert(one, point, normalize(-point), mesh.one_sided);
+    }
+    EXPECT_NEAR(luminaire.form_factor(surface_at(point, n)), exact, 3e-4 * facing) << "trial " << trial;
+    EXPECT_NEAR(sampled(luminaire, surface_at(point, n)), exact, 3e-3 * facing) << "trial " << trial;
+  }
+}
+
 }  // namespace
 }  // namespace penumbra

@@ -50,7 +50,7 @@ def export_scene(pn, depsgraph, camera_object, notes: Notes, is_cancelled: Calla
     linking = LightLinking(pn, depsgraph, notes)
     meshes = Meshes(pn, scene, materials, notes, linking, kept)
     luminaires = Luminaires(pn, scene, notes, linking)
-    mesh_lights = MeshLights(pn, scene, notes, linking, depsgraph.view_layer_eval.material_override)
+    mesh_lights = MeshLights(pn, scene, materials, linking)
 
     if space is None:
         camera.export(scene, depsgraph, camera_object, notes)
@@ -64,8 +64,7 @@ def export_scene(pn, depsgraph, camera_object, notes: Notes, is_cancelled: Calla
         kind = instance.object.type
         traits.set_for(instance)
         if kind == "MESH":  # curves, text, surfaces and metaballs come as instances of a mesh, too
-            meshes.add(instance, matrices[count])
-            mesh_lights.add(instance)
+            mesh_lights.add(instance, meshes.add(instance, matrices[count]))
         elif kind == "LIGHT":
             luminaires.add(instance)
         elif kind in LEFT_OUT:

@@ -14,7 +14,16 @@ from ..notes import Notes
 from .errors import ExportError
 from .light_linking import LightLinking
 from .nodes import follow, socket_colour, socket_value
-from .radiometry import Colour, area_radiance, point_intensity, scaled, sun_irradiance
+from .radiometry import (
+    Colour,
+    area_radiance,
+    extent_of_ball,
+    extent_of_sun,
+    point_intensity,
+    scaled,
+    sun_irradiance,
+)
+from .shader import AttributeNames, Compiler, NoImages, Shaders
 from .visibility import role_of
 
 SHAPES = {"SQUARE": "RECTANGLE", "RECTANGLE": "RECTANGLE", "DISK": "ELLIPSE", "ELLIPSE": "ELLIPSE"}
@@ -22,7 +31,7 @@ WIDEST_SUN = math.pi
 """Blender allows more; a sun cannot fill more than half the sky."""
 
 
-def node_emission(light, issues: list[str]) -> Colour:
+def node_emission(native_module, light, issues: list[str]) -> Colour:
     """What a light's nodes multiply its power and colour with; what they ask for beyond that is added to `issues`."""
     tree = compat.node_tree(light)
     if tree is None:
@@ -31,20 +40,19 @@ def node_emission(light, issues: list[str]) -> Colour:
     emission = follow(output.inputs["Surface"]) if output else None
     if emission is None:
         return 0.0, 0.0, 0.0
+    found: list[str] = []
+    compiler = Compiler(light.name, AttributeNames(), NoImages(), found, frozenset(native_module.operations()))
+    Shaders(compiler).surface(output.inputs["Surface"])
+    colour = native_module.emission_of_program(light.name, **compiler.program.arrays())
+    if colour is not None:
+        issues += found
+        return colour
+    # It differs from point to point or direction to direction.
     if emission.bl_idname != "ShaderNodeEmission" or emission.mute:
         issues.append(f"node {emission.name!r} is not supported yet; plain emission was used")
         return 1.0, 1.0, 1.0
     strength = socket_value(emission.inputs["Strength"], issues)
     return scaled(strength, socket_colour(emission.inputs["Color"], issues))
-
-
-def ignored_features(light_object) -> list[str]:
-    """What a light asks for that Penumbra does not do yet."""
-    light = light_object.data
-    found = []
-    if not getattr(light, "normalize", True):  # Blender 4.5+
-        found.append("normalize off")
-    return found
 
 
 def oriented(matrix: np.ndarray) -> np.ndarray:
@@ -74,13 +82,11 @@ class Luminaires:
             if not np.isfinite(values).all():
                 raise ExportError(f"{name}: its {what} is not a finite number")
         issues: list[str] = []
-        colour = tuple(np.multiply(node_emission(light, issues), compat.light_colour(light)))
+        colour = tuple(np.multiply(node_emission(self._module, light, issues), compat.light_colour(light)))
         if not np.isfinite(colour).all():
             raise ExportError(f"{name}: the emission of its nodes is not a finite number")
         if light.energy == 0 or not any(colour):
             return
-        if found := ignored_features(instance.object):
-            issues.append(f"{', '.join(found)} not supported yet and ignored")
         add = {"AREA": self._add_area, "POINT": self._add_point, "SPOT": self._add_point, "SUN": self._add_sun}
         add[light.type](instance.object, matrix, colour, issues)
         if issues:
@@ -97,7 +103,8 @@ class Luminaires:
             issues[:] = ["its area is zero, so it gives no light"]
             return
         self._scene.add_area_light(
-            light_object.name, shape, matrix, size, area_radiance(light.energy, colour, area),
+            light_object.name, shape, matrix, size,
+            area_radiance(light.energy, colour, area if compat.light_is_normalized(light) else 1.0),
             spread=min(light.spread, math.pi), **self._common(light_object),
         )  # fmt: skip
 
@@ -113,8 +120,9 @@ class Luminaires:
             cone = {"spot": (light.spot_size, light.spot_blend), "cosine_falloff": compat.SPOT_HAS_COSINE}
             if compat.SPOT_IGNORES_SCALE:
                 matrix = oriented(matrix)
+        extent = 1.0 if compat.light_is_normalized(light) else extent_of_ball(light.shadow_soft_size)
         self._scene.add_point_light(
-            light_object.name, matrix, light.shadow_soft_size, point_intensity(light.energy, colour),
+            light_object.name, matrix, light.shadow_soft_size, point_intensity(light.energy * extent, colour),
             shape="SPHERE" if compat.light_is_sphere(light) else "FACING_DISK", **cone, **self._common(light_object),
         )  # fmt: skip
 
@@ -127,8 +135,9 @@ class Luminaires:
         angle = min(light.angle, WIDEST_SUN)
         if angle < light.angle:
             issues.append("its angle was cut to 180 degrees")
+        extent = 1.0 if compat.light_is_normalized(light) else extent_of_sun(angle)
         self._scene.add_sun(
-            light_object.name, matrix[:3, 2], angle, sun_irradiance(light.energy, colour, angle),
+            light_object.name, matrix[:3, 2], angle, sun_irradiance(light.energy * extent, colour, angle),
             **self._common(light_object),
         )  # fmt: skip
 

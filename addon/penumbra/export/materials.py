@@ -92,6 +92,10 @@ class Materials:
             return [self._of(self._override)]
         return [self._of(slot.material) for slot in evaluated_object.material_slots] or [self._of(None)]
 
+    def emission_of_slots(self, evaluated_object) -> list[tuple[float, float, float] | None]:
+        """Radiance of both sides of surfaces with each of these slots; None where it varies over them."""
+        return [self._scene.emission_of(exported.number) for exported in self.of_slots(evaluated_object)]
+
     def _of(self, material) -> Exported:
         if material is None:
             if self._default is None:

@@ -62,8 +62,10 @@ class Meshes:
         self._mesh_ids: dict[tuple[int, frozenset[int]], int | None] = {}
         self._slots: dict[tuple[int, int], list[Exported]] = {}
 
-    def add(self, instance, matrix: np.ndarray) -> None:
+    def add(self, instance, matrix: np.ndarray) -> int | None:
         """Adds one entry of depsgraph.object_instances whose object is a mesh, placed by a (4, 4) matrix.
+
+        Returns the native instance's number, None if there is nothing of it.
 
         The key is the evaluated mesh: Blender gives all instances, and all objects that share a mesh and do not modify
         it, the same one. Its materials may still differ by object (slots linked to the object); where they read other
@@ -81,8 +83,8 @@ class Meshes:
             self._mesh_ids[mesh_key] = self._export(evaluated_object, mesh_key)
         mesh_id = self._mesh_ids[mesh_key]
         if mesh_id is None:
-            return
-        self._scene.add_instance(evaluated_object.name, mesh_id, matrix, [slot.number for slot in slots],
+            return None
+        return self._scene.add_instance(evaluated_object.name, mesh_id, matrix, [slot.number for slot in slots],
                                  rays=rays_of(self._module, instance, self._linking),
                                  receiver_set=self._linking.receiver_set(instance))  # fmt: skip
 

@@ -27,6 +27,19 @@ def point_intensity(power: float, colour: Colour) -> Colour:
     return scaled(power / (4 * math.pi), colour)
 
 
+def extent_of_ball(radius: float) -> float:
+    """What a point light's or spot's power is multiplied with where it is not normalized: its surface.
+
+    Of radius 0 it is 4, as Cycles then takes the area pi r^2 of its disk for 1.
+    """
+    return 4 * math.pi * radius**2 if radius > 0 else 4.0
+
+
+def extent_of_sun(angle: float) -> float:
+    """The same for a sun: its projected solid angle, 1 for a single direction."""
+    return math.pi * math.sin(angle / 2) ** 2 if angle > 0 else 1.0
+
+
 def sun_irradiance(strength: float, colour: Colour, angle: float) -> Colour:
     """Irradiance (r, g, b) in W/m^2 of a surface that faces the sun.
 

@@ -7,6 +7,6 @@ from .attributes import AttributeNames, at_corners
 from .closures import Shaders
 from .compiler import Compiler
 from .default_surface import default_surface
-from .images import Images
+from .images import Images, NoImages
 
-__all__ = ["AttributeNames", "Compiler", "Images", "Shaders", "at_corners", "default_surface"]
+__all__ = ["AttributeNames", "Compiler", "Images", "NoImages", "Shaders", "at_corners", "default_surface"]

@@ -7,6 +7,8 @@ from pathlib import Path
 import bpy
 import numpy as np
 
+from .compiler import UnsupportedNode
+
 LINEAR_SPACES = {"Linear", "Linear Rec.709", "Non-Color", "Raw", "Generic Data", "scene_linear"}
 SRGB_SPACES = {"sRGB"}
 LAST_DIGITS = re.compile(r"\d+(?=\D*$)")
@@ -106,3 +108,10 @@ class Images:
         path = path.replace("<UDIM>", str(number)).replace("<UVTILE>", f"u{column}_v{row}")
         packed = {bpy.path.abspath(f.filepath, library=image.library): f for f in image.packed_files if f.packed_file}
         return path, packed[path].packed_file.data if path in packed else None
+
+
+class NoImages:
+    """Of node trees that cannot look up pictures: those of lights."""
+
+    def number(self, node, material_name: str, issues: list[str]) -> int | None:
+        raise UnsupportedNode(f"node {node.name!r}: a picture in a light is not supported yet")

@@ -2,6 +2,7 @@
 """Nodes that change colours: Mix, Hue/Saturation, Gamma, Invert, Bright/Contrast, ramps, curves, Separate, Combine."""
 
 from ...compat import RAMP_TABLE_SIZE
+from .blackbody import blackbody
 from .compiler import Compiler, Place, UnsupportedNode, node
 
 
@@ -50,6 +51,23 @@ simple("ShaderNodeGamma", "gamma", "Color", "Gamma")
 simple("ShaderNodeInvert", "invert", "Fac", "Color")
 simple("ShaderNodeBrightContrast", "bright_contrast", "Color", "Bright", "Contrast")
 simple("ShaderNodeRGBToBW", "luminance", "Color")
+
+
+@node("ShaderNodeBlackbody")
+def blackbody_colour(compiler: Compiler, place: Place, socket) -> int:
+    kelvin = compiler.program.known(compiler.value(place, "Temperature"))
+    if kelvin is None:
+        raise UnsupportedNode(f"node {place.node.name!r}: a temperature that varies is not supported yet")
+    return compiler.program.constant(blackbody(kelvin[0]))
+
+
+@node("ShaderNodeLightFalloff")
+def light_falloff(compiler: Compiler, place: Place, socket) -> int:
+    """Quadratic is what light does by itself."""
+    smooth = compiler.program.known(compiler.value(place, "Smooth"))
+    if socket.name != "Quadratic" or smooth != (0.0, 0.0, 0.0):
+        raise UnsupportedNode(f"node {place.node.name!r}: only quadratic, unsmoothed falloff is supported")
+    return compiler.value(place, "Strength")
 
 
 def separated(compiler: Compiler, place: Place, socket, mode: str) -> int:

@@ -113,12 +113,15 @@ def layers(compiler: Compiler, place: Place, weight: int) -> None:
         coat = program.multiply(weight, value["Coat Weight"])
         weight = dielectric(compiler, coat, value["Coat IOR"], one, value["Coat Roughness"], under=weight)
         if program.known(value["Coat Tint"]) != WHITE:
-            weight = program.multiply(weight, program.mix(value["Coat Weight"], one, value["Coat Tint"]))
+            tint = absorbed(compiler, value["Coat Tint"], value["Coat IOR"])
+            weight = program.multiply(weight, program.mix(value["Coat Weight"], one, tint))
     emission(compiler, place, weight, "Emission Color")
     metallic = program.clamped(value["Metallic"])
     base = program.add("saturate", value["Base Color"])
     if program.known(metallic) != BLACK:
         metal = program.multiply(weight, metallic)
+        if program.known(value["Specular Tint"]) != WHITE:
+            compiler.note(place, "Specular Tint of metals is not supported yet and ignored")
         if place.node.distribution == "MULTI_GGX":
             base = program.add("multiple_scattering", base, value["Roughness"], program.add("normal"))
         program.add_closure("correlated glossy", program.multiply(metal, base), value["Roughness"],
@@ -132,6 +135,15 @@ def layers(compiler: Compiler, place: Place, weight: int) -> None:
     ior = ior_of_reflectance(compiler, f0)
     weight = dielectric(compiler, weight, ior, value["Specular Tint"], value["Roughness"], under=weight)
     add_diffuse(program, weight, value["Base Color"], value["Diffuse Roughness"])
+
+
+def absorbed(compiler: Compiler, tint: int, ior: int) -> int:
+    """What a coat leaves of light: `tint` straight down, by Beer's law along the viewer's way refracted into it."""
+    program = compiler.program
+    cosine = program.add("vector.DOT_PRODUCT", program.add("incoming"), program.add("normal"))
+    outside = program.math("SUBTRACT", 1.0, program.math("MULTIPLY", cosine, cosine))
+    inside = program.math("DIVIDE", outside, program.math("MULTIPLY", ior, ior))
+    return program.add("gamma", tint, program.math("POWER", program.math("SUBTRACT", 1.0, inside), -0.5))
 
 
 SCHLICK = -1.0

@@ -54,6 +54,8 @@ class Program:
             return second
         if b == (1.0, 1.0, 1.0):
             return first
+        if EMPTY in (a, b):
+            return 0
         if a and b:
             return self.constant([x * y for x, y in zip(a, b, strict=True)])
         return self.add("vector.MULTIPLY", first, second)
