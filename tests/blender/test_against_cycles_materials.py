@@ -69,6 +69,18 @@ PRINCIPLED_CASES = {
     "bumped": lambda t: principled(t, Normal=bumps(t)),
 }
 
+LAYERED = {
+    "specular tint": lambda t: principled(t, Specular_Tint=(0.2, 0.9, 0.4)),
+    "IOR 2": lambda t: principled(t, IOR=2.0, Roughness=0.3),
+    "IOR level 1": lambda t: principled(t, **{"Specular IOR Level": 1.0}, Roughness=0.3),
+    "IOR level 0": lambda t: principled(t, **{"Specular IOR Level": 0.0}),
+    "rough": lambda t: principled(t, Roughness=1.0),
+    "half coat": lambda t: principled(t, **{"Coat Weight": 0.5, "Coat Roughness": 0.2, "Coat IOR": 1.8}),
+    "coat tint": lambda t: principled(t, **{"Coat Weight": 1.0, "Coat Roughness": 0.3, "Coat Tint": (0.9, 0.5, 0.3)}),
+    "rough metal": lambda t: principled(t, Metallic=1.0, Roughness=0.8),
+}
+"""Measured in Blender 4.3: means of the whole within 0.3 %, of the sphere alone within 2 % and its blue within 4 %."""
+
 
 GAPS: dict[str, str] = {}
 """Known differences from newer versions of Cycles (see README.md)."""
@@ -132,6 +144,32 @@ def test_without_material(scene):
     expected = colour(render_pixels(scene, "CYCLES", lambertian=False))
     difference = (colour(ours) - expected)[expected.min(-1) > 0]
     assert abs(difference.mean()) < (3e-2 if compat.DEFAULT_SURFACE_IS_PRINCIPLED else 3e-3) * expected.mean()
+
+
+@pytest.mark.skipif(not compat.PRINCIPLED_HAS_LAYERS, reason="layers came with Blender 4.0")
+@pytest.mark.parametrize("name", LAYERED)
+def test_principled_layers(scene, name):
+    tree = Tree()
+    show(scene, tree.finish(LAYERED[name](tree)))
+    assert_matches(scene, 1e-2, times_noise=0)
+
+
+@pytest.mark.skipif(not compat.PRINCIPLED_HAS_LAYERS, reason="layers came with Blender 4.0")
+@pytest.mark.parametrize(
+    ("inputs", "named"),
+    [
+        ({"Metallic": 1.0, "Specular_Tint": (0.2, 0.9, 0.4)}, "Specular Tint of metals"),
+        ({"Sheen_Weight": 1.0}, "Sheen Weight"),
+        ({"Anisotropic": 0.5}, "Anisotropic"),
+        ({"Transmission_Weight": 1.0}, "Transmission Weight"),
+    ],
+)
+def test_what_the_principled_leaves_out_is_named(scene, inputs, named):
+    tree = Tree()
+    show(scene, tree.finish(principled(tree, **inputs)))
+    render_with_penumbra(scene, 16)
+    (note,) = statistics.last_render["warnings"]
+    assert named in note and "'Principled BSDF'" in note and "'Material'" in note
 
 
 @pytest.mark.skipif(compat.PRINCIPLED_HAS_LAYERS, reason="another sheen since Blender 4.0")
