@@ -221,7 +221,8 @@ three blades, its height `ratio` times its width. One ray a pixel goes through i
           "is_lit",
           [](const PythonScene& self) {
             const Background& background = self.scene->background();
-            return !self.scene->luminaires().empty() || (background.lights && max_abs(background.color) > 0);
+            return !self.scene->luminaires().empty() || !self.scene->textured_luminaires().empty() ||
+                   (background.lights && max_abs(background.color) > 0);
           },
           "Whether there is any luminaire, or a background that lights.");
   bind_passes(scene);
