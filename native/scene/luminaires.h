@@ -10,8 +10,8 @@
 #include <variant>
 #include <vector>
 
-#include "scene/object_traits.h"
 #include "math/transform.h"
+#include "scene/object_traits.h"
 #include "scene/ray_mask.h"
 
 namespace penumbra {

@@ -124,7 +124,7 @@ Material read_program(Bytes& in, size_t images) {
     static_cast<Closures&>(material) = constant_closures(program);
   } else {
     if (program.has(ClosureKind::kTransparent))
-      material.shadow_program = std::make_shared<const Program>(transparency_of(program));
+      material.shadow_program = std::make_shared<const Program>(part_of(program, ClosureKind::kTransparent));
     material.program = std::make_shared<const Program>(std::move(program));
   }
   material.name = "program";
