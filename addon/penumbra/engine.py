@@ -13,6 +13,7 @@ import bpy
 from . import checkpoint, native, passes, properties, statistics, viewport
 from .export import ExportCancelled, ExportError, Kept, export_scene
 from .export.camera import frame_size, render_region
+from .export.motion import record as record_motion
 from .notes import Notes
 
 POLL_SECONDS = 0.05
@@ -68,7 +69,13 @@ class PenumbraRenderEngine(bpy.types.RenderEngine):
         start = perf_counter()
         self.update_stats("", "Exporting the scene")
         kept = self.kept_meshes(pn, scene)
-        exported = export_scene(pn, depsgraph, self.camera_override, notes, self.test_break, kept=kept)
+        motion = record_motion(self, depsgraph, notes, self.test_break)
+        try:
+            exported = export_scene(pn, depsgraph, self.camera_override, notes, self.test_break, kept=kept,
+                                    motion=motion)  # fmt: skip
+        finally:
+            if motion:
+                motion.end()
         seconds = {"export": perf_counter() - start, "return": 0.0}
 
         self.update_stats("", "Building the ray tracing structure")

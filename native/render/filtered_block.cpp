@@ -19,8 +19,8 @@ uint32_t halo(const PixelFilter& filter) {
 }
 
 /// Quantiles as in BoundedCalibration; smoothed standard error c s n^-0.65 of samples with standard deviation
-/// s (between n^-5/8, of an edge in four dimensions, and n^-3/4, in two), worth so many neighbours. The lens
-/// adds two dimensions.
+/// s (between n^-5/8, of an edge in four dimensions, and n^-3/4, in two), worth so many neighbours. Lens
+/// and time add dimensions.
 constexpr double kStop = 2.7, kReport = 2.2, kSmoothed = 1.0, kPriorWeight = 6.0, kTileWeight = 4.0;
 
 /// First samples whose unshadowed values leave a plane by more than this share of the tolerance want more
@@ -77,7 +77,7 @@ FilteredBlock::FilteredBlock(const RenderContext& context, const Rectangle& core
       block_(block_of(core, area_, context.settings)),
       display_scale_(std::exp2(context.settings.exposure)),
       tolerance_(context.settings.error_tolerance),
-      dimensions_(context.camera.has_lens() ? 6 : 4),
+      dimensions_(context.pixel_rays.dimensions()),
       exponent_(0.5 + 0.6 / dimensions_),
       pixels_(block_.pixels()),
       frame_(make_frame(context, area_, block_)),

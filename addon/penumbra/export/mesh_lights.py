@@ -20,14 +20,15 @@ class MeshLights:
         self._emissions: dict[int, np.ndarray] = {}
         self._arrays: dict[int, MeshArrays] = {}
 
-    def add(self, instance) -> None:
-        """Adds one entry of depsgraph.object_instances whose object is a mesh: a luminaire for each radiance."""
+    def add(self, instance) -> bool:
+        """Adds one entry of depsgraph.object_instances whose object is a mesh: a luminaire for each radiance. Whether
+        there are any."""
         evaluated_object = instance.object
         slots = [self._override or slot.material for slot in evaluated_object.material_slots] or [self._override]
         emissions = np.array([self._emission(material) for material in slots])
         role = role_of(self._module, evaluated_object, self._linking)
         if not emissions.any() or not (role.diffuse or role.glossy):
-            return
+            return False
         arrays = self._read(evaluated_object)
         slot_of = np.minimum(arrays.material_slots, len(slots) - 1)
         matrix = np.array(instance.matrix_world, dtype=np.float64)
@@ -36,6 +37,7 @@ class MeshLights:
             if radiance.any() and len(triangles):
                 self._scene.add_mesh_light(evaluated_object.name, arrays.positions, triangles, matrix, tuple(radiance),
                                            role=role)  # fmt: skip
+        return True
 
     def _emission(self, material) -> np.ndarray:
         if material is None:
