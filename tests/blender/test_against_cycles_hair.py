@@ -50,7 +50,6 @@ def assert_as_in_cycles(scene, without) -> None:
     """`without` takes the hair away: it must matter."""
     ours, (cycles, noise) = colour(render_with_penumbra(scene, light_samples=4)), converged(scene)
     theirs = colour(cycles)
-    np.savez("/tmp/hair.npz", ours=ours, theirs=theirs) if False else None
     without()
     bare = colour(render_with_penumbra(scene, light_samples=4))
     difference, noise_rmse = ours - theirs, relative_rmse(noise, theirs)

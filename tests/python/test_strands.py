@@ -158,7 +158,10 @@ def test_strands_move():
 
 
 BAD = {
-    "not finite": (lambda k, r: k.__setitem__((1, 0), np.nan), "hair: the position or radius of strand 0 is not finite"),
+    "not finite": (
+        lambda k, r: k.__setitem__((1, 0), np.nan),
+        "hair: the position or radius of strand 0 is not finite",
+    ),
     "radius": (lambda k, r: r.__setitem__(2, np.inf), "hair: the position or radius of strand 0 is not finite"),
     "negative": (lambda k, r: r.__setitem__(2, -1), "hair: the radius of strand 0 is negative"),
 }
