@@ -45,8 +45,8 @@ def test_silhouette_of_a_cone(shape, placed):
 
 @pytest.mark.parametrize("shape", SHAPES)
 def test_silhouette_follows_the_curve(shape):
-    """A wavy Catmull-Rom curve through its keys, against the distance from 2000 points of it: pixels further from it than
-    the radius are empty, nearer ones full."""
+    """A wavy Catmull-Rom curve through its keys, against the distance from 2000 points of it: pixels further from it
+    than the radius are empty, nearer ones full."""
     x = np.linspace(-1.6, 1.6, 9)
     keys = np.stack([x, 0.6 * np.sin(3 * x), np.zeros(9)], axis=1)
     seen = render(alone(keys, np.full(9, 0.1), [9], shape), 80, stop_rule="FIXED", light_samples=1, pixel_samples=1)
@@ -80,9 +80,9 @@ def tube(segments=256, radius=0.3):
 @pytest.mark.parametrize("rule", ["FIXED", "BOUNDED"])
 @pytest.mark.parametrize("shape", SHAPES)
 def test_shading_and_shadow_of_a_straight_strand(shape, rule):
-    """Against a mesh of a tube, on a floor under an area light: a ribbon is lit as that. Away from the silhouettes and the
-    ends; the mesh's facets make 1 - cos(pi / 256) = 1e-4 of difference, light points 0.002. A ribbon's shadow is that of a
-    flat strip: its edges are elsewhere by less than the radius squared over the distance."""
+    """Against a mesh of a tube, on a floor under an area light: a ribbon is lit as that. Away from the silhouettes and
+    the ends; the mesh's facets make 1 - cos(pi / 256) = 1e-4 of difference, light points 0.002. A ribbon's shadow is
+    that of a flat strip: its edges are elsewhere by less than the radius squared over the distance."""
 
     def picture(add_strand):
         scene = pn.Scene()
@@ -107,7 +107,7 @@ def test_shading_and_shadow_of_a_straight_strand(shape, rule):
 
 
 def test_no_strand_shadows_itself():
-    """Under a sky that shines from everywhere a convex strand gets the light of its upper half: full where it faces up."""
+    """Under a sky that shines from everywhere a convex strand gets the light of all that it faces."""
     for shape in SHAPES:
         scene = pn.Scene()
         strands(scene, STRAIGHT, np.full(4, 0.02), [4], shape, rotation([0, 0, 1], 20))

@@ -38,8 +38,8 @@ def export_scene(pn, depsgraph, camera_object, notes: Notes, is_cancelled: Calla
     pn: the native module. camera_object: the evaluated camera, None for the scene's own. notes: gets one note for each
     thing that Penumbra renders differently from what the file asks. Raises ExportError or ValueError naming the object
     at fault; ExportCancelled as soon as `is_cancelled()` is seen. space: a 3D view, whose own camera is set later, and
-    whose hidden objects are left out. kept: what earlier exports left; its begin() tells what has changed since. motion: what was recorded
-    of it, if it is to be blurred.
+    whose hidden objects are left out. kept: what earlier exports left; its begin() tells what has changed since.
+    motion: what was recorded of it, if it is to be blurred.
     """
     scene = pn.Scene(kept.textures) if kept else pn.Scene()
     materials = Materials(pn, scene, notes, depsgraph.view_layer_eval.material_override,
