@@ -65,7 +65,8 @@ struct Turn {
   }
 
   Affine at(double share, const Vec3d& origin) const {
-    Affine frame{turned(from_frame.x_axis, axis, share * angle), turned(from_frame.y_axis, axis, share * angle),
+    Affine frame{turned(from_frame.x_axis, axis, share * angle),
+                 turned(from_frame.y_axis, axis, share * angle),
                  turned(from_frame.z_axis, axis, share * angle), origin};
     return frame * mixed(from_rest, to_rest, share);
   }

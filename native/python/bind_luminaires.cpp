@@ -94,8 +94,10 @@ receiver set of add_instance, whether it lights those instances; empty: all.)")
       .def_readonly("receivers", &LuminaireRole::receivers)
       .def("__repr__", [](const LuminaireRole& r) {
         std::string text = "LuminaireRole(";
-        for (const auto& [name, value] : {std::pair{"to_camera", r.to_camera}, {"in_mirrors", r.in_mirrors},
-                                          {"diffuse", r.diffuse}, {"glossy", r.glossy}})
+        for (const auto& [name, value] : {std::pair{"to_camera", r.to_camera},
+                                          {"in_mirrors", r.in_mirrors},
+                                          {"diffuse", r.diffuse},
+                                          {"glossy", r.glossy}})
           text += std::string(name) + "=" + (value ? "True, " : "False, ");
         return text + "shadow_rays=" + std::to_string(r.shadow_rays) + ")";
       });
@@ -110,7 +112,8 @@ receiver set of add_instance, whether it lights those instances; empty: all.)")
         if (set >= kMostBlockerSets) throw py::value_error("there are no more than 29 sets of blockers");
         return blocker_set_ray(set);
       },
-      py::arg("set"), "The kind of shadow rays that set number `set`, 0 ... MOST_BLOCKER_SETS - 1, of instances blocks.");
+      py::arg("set"),
+      "The kind of shadow rays that set number `set`, 0 ... MOST_BLOCKER_SETS - 1, of instances blocks.");
   scene
       .def("add_area_light", &add_area_light, py::arg("name"), py::arg("shape"), py::arg("world_from_light"),
            py::arg("size"), py::arg("radiance"), py::arg("cast_shadow") = true,
@@ -146,8 +149,12 @@ surface that faces it.)")
           [](PythonScene& self, const std::string& name, const py::array& positions,
              const py::array& triangles, const py::array& world_from_object, const Color& radiance,
              bool cast_shadow, const LuminaireRole& role) {
-            MeshLuminaire light{name,          read_positions(positions, name), read_triangles(triangles, name),
-                                vec(radiance), cast_shadow,                     role};
+            MeshLuminaire light{name,
+                                read_positions(positions, name),
+                                read_triangles(triangles, name),
+                                vec(radiance),
+                                cast_shadow,
+                                role};
             const Affine t = read_transform(world_from_object, name, "world_from_object");
             for (Vec3d& p : light.positions) p = t.point(p);
             self.scene->add_luminaire(std::move(light));

@@ -78,9 +78,8 @@ StrandShape shape_from_name(const std::string& name, const std::string& shape) {
   throw py::value_error(name + ": shape is '" + shape + "', expected RIBBON or TUBE");
 }
 
-uint32_t add_curves(PythonScene& self, const std::string& name, const py::array& keys,
-                    const py::array& radii, const py::array& counts, const std::string& shape,
-                    const Arrays& motion) {
+uint32_t add_curves(PythonScene& self, const std::string& name, const py::array& keys, const py::array& radii,
+                    const py::array& counts, const std::string& shape, const Arrays& motion) {
   Mesh mesh = read_strands(name, keys, radii, motion);
   mesh.strands = shape_from_name(name, shape);
   make_curves(mesh, read_counts(counts, name));
@@ -149,7 +148,8 @@ void set_camera(PythonScene& self, const std::string& kind, const py::array& wor
     camera.aperture = {radius, focus_distance, blades, rotation, ratio};
   }
   camera.motion = read_poses(motion, "camera");
-  for (const std::array<double, 4>& w : window_motion) camera.window_motion.push_back({w[0], w[1], w[2], w[3]});
+  for (const std::array<double, 4>& w : window_motion)
+    camera.window_motion.push_back({w[0], w[1], w[2], w[3]});
   camera.shutter = shutter;
   self.scene->set_camera(camera);
 }
@@ -201,7 +201,8 @@ keys of each strand. shape: RIBBON, turned to each ray and shaded as round, or T
 add_mesh.)")
       .def("add_points", &add_points, py::arg("name"), py::arg("positions"), py::arg("radii"),
            py::arg("motion") = Arrays{},
-           "Adds spheres, (N, 3) and (N,), in object space and returns their number as a mesh's. motion: as in "
+           "Adds spheres, (N, 3) and (N,), in object space and returns their number as a mesh's. motion: as "
+           "in "
            "add_mesh.")
       .def(
           "add_kept_mesh",

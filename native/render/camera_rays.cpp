@@ -49,7 +49,8 @@ CameraRays::CameraRays(const Camera& camera, const Normalization& normalization,
 
 double CameraRays::time(double variate) const {
   if (exposure_.empty()) return variate;
-  const size_t i = size_t(std::upper_bound(exposure_.begin(), exposure_.end() - 1, variate) - exposure_.begin());
+  const size_t i =
+      size_t(std::upper_bound(exposure_.begin(), exposure_.end() - 1, variate) - exposure_.begin());
   const double low = i ? exposure_[i - 1] : 0, high = exposure_[i];
   return (double(i) + (high > low ? (variate - low) / (high - low) : 0.5)) / double(exposure_.size());
 }

@@ -66,7 +66,6 @@ uint64_t hash_of_program(uint64_t h, const Program& program) {
   return h;
 }
 
-
 /// Embree's most times.
 constexpr size_t kMostPoses = 129;
 
@@ -104,8 +103,7 @@ uint64_t hash_of(const Mesh& mesh) {
   for (const Attribute& attribute : mesh.attributes)
     h = hash_array(hash_of(h, attribute.name), attribute.corners);
   h = hash_array(hash_array(h, mesh.positions), mesh.triangles);
-  for (const MeshPose& pose : mesh.motion)
-    h = hash_array(hash_array(h, pose.positions), pose.corner_normals);
+  for (const MeshPose& pose : mesh.motion) h = hash_array(hash_array(h, pose.positions), pose.corner_normals);
   if (mesh.strands != StrandShape::kNone)
     h = hash_array(hash_array(hash_of(h, uint64_t(mesh.strands)), mesh.radii), mesh.segments);
   return hash_array(hash_array(h, mesh.corner_normals), mesh.material_slots);

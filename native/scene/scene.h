@@ -36,8 +36,8 @@ struct Mesh {
   std::string name;
   std::vector<Vec3d> positions;
   std::vector<std::array<uint32_t, 3>> triangles;  // of strands empty
-  std::vector<Vec3f> corner_normals;     // three a triangle, or none: flat
-  std::vector<uint32_t> material_slots;  // one a triangle, or none: slot 0
+  std::vector<Vec3f> corner_normals;               // three a triangle, or none: flat
+  std::vector<uint32_t> material_slots;            // one a triangle, or none: slot 0
   std::vector<Attribute> attributes;
   std::shared_ptr<KeptMesh> kept = {};  // stands for all of the above but the name (see placed_mesh.h)
   // At evenly spaced times from the shutter's opening to its closing; empty where only transforms move it.

@@ -147,9 +147,9 @@ void Geometry::surface_point(const Ray& ray, const Hit& hit, SurfacePoint& s) co
   if (!mesh.corner_normals.empty()) {
     const size_t n = 3 * size_t(hit.triangle);
     Vec3d interpolated = mesh.corner_normal(n, ray.time) * (1 - h.u - h.v) +
-                         mesh.corner_normal(n + 1, ray.time) * h.u + mesh.corner_normal(n + 2, ray.time) * h.v;
-    if (instance.shared)
-      interpolated = render_from_object.normal(interpolated) * instance.orientation;
+                         mesh.corner_normal(n + 1, ray.time) * h.u +
+                         mesh.corner_normal(n + 2, ray.time) * h.v;
+    if (instance.shared) interpolated = render_from_object.normal(interpolated) * instance.orientation;
     const Vec3d smooth = normalize(interpolated);
     if (is_finite(smooth) && dot(smooth, smooth) > 0) s.normal = smooth;
   }
@@ -195,7 +195,8 @@ void Geometry::strand_point(const Ray& ray, const Hit& hit, SurfacePoint& s) con
   Vec3d normal = normalize(across);
   if (mesh.strands == StrandShape::kRibbon) {
     const Vec3d tangent = normalize(place.tangent);
-    const Vec3d front = normalize(to_viewer - tangent * dot(tangent, to_viewer)), side = cross(tangent, front);
+    const Vec3d front = normalize(to_viewer - tangent * dot(tangent, to_viewer)),
+                side = cross(tangent, front);
     const double sine = place.radius > 0 ? std::clamp(dot(across, side) / place.radius, -1.0, 1.0) : 0.0;
     normal = side * sine + front * std::sqrt(1 - sine * sine);
   }

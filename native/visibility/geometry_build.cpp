@@ -70,8 +70,7 @@ Geometry::Geometry(std::vector<Mesh> meshes, std::vector<Instance> instances, ui
         if (opacity_->may_be_transparent(material)) may_be_transparent[instance.mesh] = true;
   Box world;
   std::vector<Box> mesh_boxes;
-  for (const Mesh& mesh : meshes)
-    mesh_boxes.push_back(mesh.kept ? mesh.kept->box() : bounds_of(mesh));
+  for (const Mesh& mesh : meshes) mesh_boxes.push_back(mesh.kept ? mesh.kept->box() : bounds_of(mesh));
   std::vector<bool> moves(meshes.size(), false);
   for (const Instance& instance : instances) {
     world.include(transformed(mesh_boxes[instance.mesh], instance.world_from_object));
@@ -86,7 +85,8 @@ Geometry::Geometry(std::vector<Mesh> meshes, std::vector<Instance> instances, ui
   rtcSetSceneFlags(scene_.get(), RTC_SCENE_FLAG_ROBUST);
   meshes_.resize(meshes.size());
   for (size_t i = 0; i < meshes.size(); ++i)
-    if (users[i] > 1 || (users[i] && (meshes[i].kept || moves[i])))  // others are placed with their one instance below
+    if (users[i] > 1 ||
+        (users[i] && (meshes[i].kept || moves[i])))  // others are placed with their one instance below
       meshes_[i] = place_shared(meshes[i], mesh_boxes[i], may_be_transparent[i]);
 
   LeftOut flat;
