@@ -22,6 +22,8 @@ from penumbra import progressive, viewport
 SCREEN, FOLDER = (Path(text) for text in sys.argv[sys.argv.index("--") + 1 :])
 TIMEOUT_SECONDS = 60
 FINAL_SIZE = (48, 32)
+MANY_SAMPLES = 65536
+"""A second for FINAL_SIZE, a minute and more for the view."""
 SETTLE_SECONDS = 1.0
 """For the last drawing to reach the screen."""
 recorded: dict = {}
@@ -169,7 +171,7 @@ def clear_film() -> None:
 
 def ask_too_much() -> None:
     """A picture of minutes, in blocks of 8 x 8 pixels of well below a second."""
-    bpy.context.scene.penumbra.light_samples = 4096
+    bpy.context.scene.penumbra.light_samples = MANY_SAMPLES
     change_setting("stop_rule", "FIXED")
 
 
