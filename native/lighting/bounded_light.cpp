@@ -6,6 +6,7 @@
 
 #include "lighting/bounded_refine.h"
 #include "lighting/light_parts.h"
+#include "lighting/pooled_error.h"
 #include "lighting/spread.h"
 
 namespace penumbra {
@@ -193,10 +194,9 @@ void BlockLight::flood() {
 /// What the first looks around a pixel can have missed is the smoothed standard error of all their points; a
 /// pixel's share of it is reported, but no more than half the tolerance, which the calibration shows to hold.
 void BlockLight::settle_certain_items() {
-  const BoundedCalibration calibration;
   const double n = kFirstLook * (2 * kGateReach + 1) * (2 * kGateReach + 1), p = 1 / (n + 2);
   const double missed =
-      calibration.report * calibration.smoothed * std::sqrt(p * (1 - p)) * std::pow(n, -0.75);
+      kItemCalibration.report * kItemCalibration.smoothed * std::sqrt(p * (1 - p)) * std::pow(n, -0.75);
   for (const BoundedItem& item : items_) {
     if (item.uncertain) continue;
     PixelLight& pixel_light = out_[pixel(item)];

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <unordered_map>
 
+#include "lighting/pooled_error.h"
+
 namespace penumbra {
 namespace {
 
@@ -51,16 +53,12 @@ double TileRefiner::error(const BoundedItem& item, const TileItems& items) const
   // Where a luminaire is mostly below it, only the points above count as points.
   const double n = item.count, p = (item.lit + 1.0) / (item.facing + 2.0);
   const double smoothed =
-      calibration_.smoothed * item.size() * std::sqrt(p * (1 - p)) * std::pow(item.facing, -0.75);
-  double sum = 0;
-  int count = 0;
+      kItemCalibration.smoothed * item.size() * std::sqrt(p * (1 - p)) * std::pow(item.facing, -0.75);
+  PooledVariance pooled(smoothed * smoothed, kItemCalibration.prior_weight);
   items.for_neighbours(item, kPool, [&](const BoundedItem& other) {
-    if (other.count < 16) return;
-    sum += other.variance * std::pow(other.count / n, 1.5);
-    ++count;
+    if (other.count >= kPacket) pooled.add(other.variance, other.count / n, 1.5);
   });
-  return std::sqrt((calibration_.prior_weight * smoothed * smoothed + sum) /
-                   (calibration_.prior_weight + count));
+  return std::sqrt(pooled.mean());
 }
 
 void TileRefiner::refine(std::vector<BoundedItem*>& items, std::vector<PixelLight>& pixels,
@@ -90,7 +88,7 @@ void TileRefiner::refine(std::vector<BoundedItem*>& items, std::vector<PixelLigh
       const double charged = pixels[pixel].error;
       const double tolerance =
           settings_.tolerance * std::max(1.0, max_component(radiance) * settings_.display_scale);
-      const double allowed = std::max(tolerance - charged, 0.25 * tolerance) / calibration_.stop;
+      const double allowed = std::max(tolerance - charged, 0.25 * tolerance) / kItemCalibration.stop;
       bool done = variance <= allowed * allowed;
       if (!done) {
         bool can = false;
@@ -107,7 +105,7 @@ void TileRefiner::refine(std::vector<BoundedItem*>& items, std::vector<PixelLigh
       }
       if (!done) continue;
       pixels[pixel].radiance = radiance;
-      pixels[pixel].error = charged + calibration_.report * std::sqrt(variance);
+      pixels[pixel].error = charged + kItemCalibration.report * std::sqrt(variance);
       own.clear();
     }
     for (BoundedItem* item : to_advance) {

@@ -8,18 +8,6 @@
 
 namespace penumbra {
 
-/// Calibrated constants; how they were found: tests/benchmarks/README.md.
-struct BoundedCalibration {
-  /// Quantile that stopping tests, in units of the estimated standard error: about 99 % of the pixels.
-  double stop = 2.85;
-  /// Quantile of the Error Estimate pass: 95 %.
-  double report = 2.2;
-  /// What an item's error is before its neighbours are asked, the smoothed standard error
-  /// c G sqrt(p (1 - p)) n^-3/4 (G: the unshadowed value, p: the visible fraction), and how many neighbours
-  /// that counts as.
-  double smoothed = 1.2, prior_weight = 6.0;
-};
-
 /// A tile's items by slot (bounce and luminaire) and place, so that neighbours are found without a search.
 class TileItems {
  public:
@@ -61,7 +49,6 @@ class TileRefiner {
   const std::vector<LitPoint>& points_;
   const Block& block_;
   const BoundedSettings& settings_;
-  BoundedCalibration calibration_;
 };
 
 }  // namespace penumbra

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "lighting/lobe_colours.h"
+#include "lighting/pooled_error.h"
 #include "sampling/hash.h"
 #include "visibility/shadow_rays.h"
 
@@ -13,8 +14,7 @@ namespace {
 /// Points for unshadowed glossy lobes, which have no closed form: shading only, no rays.
 constexpr uint32_t kGlossyPoints = 1024;
 
-/// B blocks of n / B points overstate the variance of the whole by B to this power: 3/2 for an edge through
-/// the luminaire (Owen-scrambled nets), 1 for independent points; foliage lies between.
+/// Of share_of_blocks: foliage lies between an edge and independent points.
 constexpr double kBlockExponent = 1.35;
 
 /// Estimates of blocks of equal size, from the sums at their ends, tell the variance of the whole.
@@ -34,7 +34,7 @@ double block_variance(const BoundedItem& item) {
   double mean = 0, squares = 0;
   for (int i = 0; i < blocks; ++i) mean += values[i] / blocks;
   for (int i = 0; i < blocks; ++i) squares += (values[i] - mean) * (values[i] - mean);
-  return squares / (blocks - 1) / std::pow(blocks, kBlockExponent);
+  return squares * share_of_blocks(blocks, kBlockExponent);
 }
 
 }  // namespace

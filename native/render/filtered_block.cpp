@@ -5,24 +5,21 @@
 #include <cmath>
 
 #include "lighting/bounded_item.h"
+#include "lighting/pooled_error.h"
 #include "lighting/spread.h"
 #include "render/filtered_parts.h"
+#include "render/tile_error.h"
 
 namespace penumbra {
 namespace {
 
-constexpr int kGateReach = 2, kFloodReach = 2, kPool = 2;
+constexpr int kGateReach = 2, kFloodReach = 2;
 
 /// Pixels around a block that it looks at: what floods into it can come from so far away. Even: whole quads,
 /// whose samples share packets.
 uint32_t halo(const PixelFilter& filter) {
   return uint32_t(kFloodReach + std::max(kGateReach, filter.reach() + 1) + 1) / 2 * 2;
 }
-
-/// Quantiles as in BoundedCalibration; smoothed standard error c s n^-0.65 of samples with standard deviation
-/// s (between n^-5/8, of an edge in four dimensions, and n^-3/4, in two), worth so many neighbours. The lens
-/// adds two dimensions.
-constexpr double kStop = 3.0, kReport = 2.2, kSmoothed = 1.0, kPriorWeight = 6.0, kTileWeight = 4.0;
 
 /// First samples whose unshadowed values leave a plane by more than this share of the tolerance want more
 /// rays.
@@ -55,8 +52,6 @@ class FilteredBlock {
   std::vector<uint32_t> pixels_of(const Rectangle& tile, Condition condition) const;
   void refine_smooth(const Rectangle& tile);
   void refine_edges(const Rectangle& tile);
-  double smoothed_constant(std::span<const uint32_t> uncertain) const;
-  double standard_error(uint32_t p, std::span<const uint32_t> uncertain, double smoothed) const;
   void write();
   void tell(PixelTrace& trace);
 
@@ -64,7 +59,8 @@ class FilteredBlock {
   RenderTally& tally_;
   Rectangle area_;
   Block block_;
-  double display_scale_, tolerance_, dimensions_, exponent_;
+  double display_scale_, tolerance_;
+  int dimensions_;
   std::vector<FilteredPixel> pixels_;
   FilteredFrame frame_;
   SamplePacket packet_;
@@ -80,7 +76,6 @@ FilteredBlock::FilteredBlock(const RenderContext& context, const Rectangle& core
       display_scale_(std::exp2(context.settings.exposure)),
       tolerance_(context.settings.error_tolerance),
       dimensions_(context.camera.has_lens() ? 6 : 4),
-      exponent_(0.5 + 0.6 / dimensions_),
       pixels_(block_.pixels()),
       frame_(make_frame(context, area_, block_)),
       packet_(context, frame_, tally),
@@ -295,37 +290,6 @@ void FilteredBlock::advance(uint32_t p) {
   pixels_[p].close_level(slots(p), display_scale_, dimensions_);
 }
 
-/// c^2 of the smoothed standard error in one tile: how edges there converge is learned from the blocks of all
-/// its uncertain pixels, beginning with the constant.
-double FilteredBlock::smoothed_constant(std::span<const uint32_t> uncertain) const {
-  double sum = kTileWeight * kSmoothed * kSmoothed, weight = kTileWeight;
-  for (uint32_t p : uncertain) {
-    const double prior = pixels_[p].prior_variance(frame_.of_pixel(p), display_scale_, exponent_);
-    if (prior <= 0) continue;
-    sum += pixels_[p].variance / prior;
-    ++weight;
-  }
-  return sum / weight;
-}
-
-/// Of the pixel's estimate, with its uncertain neighbours' help.
-double FilteredBlock::standard_error(uint32_t p, std::span<const uint32_t> uncertain, double smoothed) const {
-  const FilteredPixel& pixel = pixels_[p];
-  const double n = pixel.count;
-  const std::span<const Slot> slot = frame_.of_pixel(p);
-  const double prior = smoothed * pixel.prior_variance(slot, display_scale_, exponent_);
-  const int x = int(p % block_.width), y = int(p / block_.width);
-  double sum = 0;
-  int count = 0;
-  for (uint32_t q : uncertain) {
-    const int dx = int(q % block_.width) - x, dy = int(q / block_.width) - y;
-    if (std::abs(dx) > kPool || std::abs(dy) > kPool) continue;
-    sum += pixels_[q].variance * std::pow(pixels_[q].count / n, 2 * exponent_);
-    ++count;
-  }
-  return std::sqrt((kPriorWeight * prior + sum) / (kPriorWeight + count));
-}
-
 /// The tile's pixels (of the block) for which a condition holds.
 template <typename Condition>
 std::vector<uint32_t> FilteredBlock::pixels_of(const Rectangle& tile, Condition condition) const {
@@ -343,17 +307,18 @@ void FilteredBlock::refine_smooth(const Rectangle& tile) {
 
 void FilteredBlock::refine_edges(const Rectangle& tile) {
   const std::vector<uint32_t> edges = pixels_of(tile, [this](uint32_t p) { return frame_.edge[p]; });
+  TileError errors(pixels_, frame_, edges, display_scale_, dimensions_);
   std::vector<uint32_t> open = edges, again;
   while (!open.empty()) {
     again.clear();
-    const double smoothed = smoothed_constant(edges);
+    errors.learn();
     for (uint32_t p : open) {
       FilteredPixel& pixel = pixels_[p];
-      const double error = standard_error(p, edges, smoothed), charged = pixel.charged / pixel.count;
+      const double error = errors.of(p), charged = pixel.charged / pixel.count;
       const double tolerance =
           tolerance_ * std::max(1.0, max_component(pixel.estimate(slots(p))) * display_scale_);
-      pixel.error = kReport * error + charged;
-      if (kStop * error + charged <= tolerance) continue;
+      pixel.error = kPixelCalibration.report * error + charged;
+      if (kPixelCalibration.stop * error + charged <= tolerance) continue;
       pixel.at_limit = next_level(pixel.count) > c_.settings.max_pixel_samples;
       if (!pixel.at_limit) again.push_back(p);
     }

@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "lighting/pooled_error.h"
+
 namespace penumbra {
 namespace {
 
@@ -140,10 +142,9 @@ void FilteredPixel::close_level(std::span<Slot> slots, double display_scale, dou
     const double deviation = alphas[i] / size - alpha / count;
     alpha_squares += deviation * deviation;
   }
-  // Of an edge in so many dimensions the variance falls as n^-(1 + 1 / dimensions): B blocks of n / B samples
-  // overstate that of the whole by B to this power.
-  variance = std::max(max_component(squares) * display_scale * display_scale, alpha_squares) / (blocks - 1) /
-             std::pow(blocks, 1 + 1 / dimensions);
+  // Of an edge in so many dimensions the variance falls as n^-(1 + 1 / dimensions).
+  variance = std::max(max_component(squares) * display_scale * display_scale, alpha_squares) *
+             share_of_blocks(blocks, 1 + 1 / dimensions);
   if (!power_of_two) return;
   background_half = background_power;
   alpha_half = alpha_power;
