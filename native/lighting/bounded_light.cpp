@@ -2,6 +2,7 @@
 #include "lighting/bounded_light.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "lighting/bounded_refine.h"
@@ -164,8 +165,10 @@ void BlockLight::gate() {
           uint8_t((items_[end].first_lit ? kLit : 0) | (items_[end].first_dark ? kDark : 0));
     spread(seen, block_.width, block_.height, kGateReach);
     for (size_t i = begin; i < end; ++i) {
-      if (luminaires_[items_[i].luminaire].is_point()) continue;         // one ray told all
-      const bool blind = !items_[i].first_lit && !items_[i].first_dark;  // all four below the horizon
+      if (luminaires_[items_[i].luminaire].is_point()) continue;  // one ray told all
+      // Most of the four were below the horizon: a neighbourhood of those has seen next to nothing.
+      const bool blind =
+          std::popcount(uint8_t(items_[i].first_lit | items_[i].first_dark)) < int(kFirstLook) / 2;
       const bool unproven = luminaires_[items_[i].luminaire].is_wide();  // until the flood's 16 points
       items_[i].uncertain = seen[pixel(items_[i])] == (kLit | kDark) || blind || unproven;
     }

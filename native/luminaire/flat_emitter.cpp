@@ -14,17 +14,33 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// From a surface point with `surface_normal` to the luminaire's corner, then to its point (s, t): direction
-/// and cos cos' / r^2 term. A direction of no or infinite length gives 0, as do both horizons.
-inline void evaluate_one(const FormFactorTerms& g, const Vec3f& corner, const Vec3f& surface_normal, float s,
-                         float t, LightPoints& out, uint32_t i) {
+/// A part of the parallelogram: (s, t) + (width u, height v) for u, v in 0 ... 1.
+struct Part {
+  float s, t, width, height;
+};
+
+/// The smallest that holds all of a parallelogram that is above the surface's horizon, a + b s + c t > 0:
+/// points below tell nothing, and at least half of this part is above.
+inline Part part_above(double a, double b, double c) {
+  const auto bound = [](double value) { return value > 0 ? (value < 1 ? value : 1.0) : 0.0; };
+  // Where the other coordinate's best end is at the horizon.
+  const double s = bound(-(a + (c > 0 ? c : 0)) / b), t = bound(-(a + (b > 0 ? b : 0)) / c);
+  const double low_s = b > 0 ? s : 0, high_s = b < 0 ? s : 1, low_t = c > 0 ? t : 0, high_t = c < 0 ? t : 1;
+  return {float(low_s), float(low_t), float(high_s - low_s), float(high_t - low_t)};
+}
+
+/// From a surface point with `surface_normal` to the luminaire's corner, then to point (u, v) of a part of
+/// it: direction and cos cos' / r^2 term. A direction of no or infinite length gives 0, as do both horizons.
+inline void evaluate_one(const FormFactorTerms& g, const Vec3f& corner, const Vec3f& surface_normal,
+                         const Part& part, float u, float v, LightPoints& out, uint32_t i) {
+  const float s = part.s + part.width * u, t = part.t + part.height * v;
   const float dx = corner.x + (s * g.edge_u.x + t * g.edge_v.x);
   const float dy = corner.y + (s * g.edge_u.y + t * g.edge_v.y);
   const float dz = corner.z + (s * g.edge_u.z + t * g.edge_v.z);
   const float cos_surface = dx * surface_normal.x + dy * surface_normal.y + dz * surface_normal.z;
   const float cos_light = -(dx * g.normal.x + dy * g.normal.y + dz * g.normal.z);
   const float inverse = 1.0f / (dx * dx + dy * dy + dz * dz);
-  const float value = (cos_surface * inverse) * (cos_light * inverse) * g.scale;
+  const float value = (cos_surface * inverse) * (cos_light * inverse) * g.scale * (part.width * part.height);
   out.x[i] = dx;
   out.y[i] = dy;
   out.z[i] = dz;
@@ -34,21 +50,24 @@ inline void evaluate_one(const FormFactorTerms& g, const Vec3f& corner, const Ve
 
 PENUMBRA_VECTORIZED
 void evaluate_from_one(const FormFactorTerms& terms, const Vec3f& corner, const Vec3f& surface_normal,
-                       const float* s, const float* t, uint32_t count, LightPoints& out) {
+                       const Part& above, const float* u, const float* v, uint32_t count, LightPoints& out) {
   const FormFactorTerms g = terms;  // copies: `out` can't alias them
   const Vec3f from = corner, normal = surface_normal;
-  for (uint32_t i = 0; i < count; ++i) evaluate_one(g, from, normal, s[i], t[i], out, i);
+  const Part part = above;
+  for (uint32_t i = 0; i < count; ++i) evaluate_one(g, from, normal, part, u[i], v[i], out, i);
 }
 
 PENUMBRA_VECTORIZED
-void evaluate_from_each(const FormFactorTerms& terms, const Vec3d& corner, const SurfaceColumns& surfaces,
-                        const float* s, const float* t, LightPoints& out) {
+void evaluate_from_each(const FormFactorTerms& terms, const Vec3d& corner, const Vec3d& edge_u,
+                        const Vec3d& edge_v, const SurfaceColumns& surfaces, const float* u, const float* v,
+                        LightPoints& out) {
   const FormFactorTerms g = terms;
-  const Vec3d c = corner;
+  const Vec3d c = corner, eu = edge_u, ev = edge_v;
   for (uint32_t i = 0; i < surfaces.count; ++i) {
-    const Vec3f from(float(c.x - surfaces.x[i]), float(c.y - surfaces.y[i]), float(c.z - surfaces.z[i]));
-    const Vec3f normal(float(surfaces.normal_x[i]), float(surfaces.normal_y[i]), float(surfaces.normal_z[i]));
-    evaluate_one(g, from, normal, s[i], t[i], out, i);
+    const Vec3d from(c.x - surfaces.x[i], c.y - surfaces.y[i], c.z - surfaces.z[i]);
+    const Vec3d normal(surfaces.normal_x[i], surfaces.normal_y[i], surfaces.normal_z[i]);
+    const Part part = part_above(dot(from, normal), dot(eu, normal), dot(ev, normal));
+    evaluate_one(g, Vec3f(from), Vec3f(normal), part, u[i], v[i], out, i);
   }
 }
 
@@ -66,6 +85,7 @@ FlatEmitter::FlatEmitter(const AreaLuminaire& description, const Normalization& 
   edge_u_ = t.x_axis * description.size_x;
   edge_v_ = t.y_axis * description.size_y;
   corner_ = t.origin - edge_u_ * 0.5 - edge_v_ * 0.5;
+  if (shape_ == LuminaireShape::kRectangle) cut_u_ = edge_u_, cut_v_ = edge_v_;
   area_ = area_of(shape_, t, description.size_x, description.size_y);
   normal_ = normalize(cross(edge_u_, edge_v_));
   // It emits towards local -z, in mirrored and sheared transforms too.
@@ -141,15 +161,16 @@ void FlatEmitter::evaluate(const SurfacePoint& surface, const float* u, const fl
                            LightPoints& out) const {
   alignas(64) float s[kBatch], t[kBatch];
   to_shape(u, v, count, s, t);
-  const Vec3f from(corner_ - surface.position);  // subtracted in double
-  evaluate_from_one(terms_, from, Vec3f(surface.normal), u, v, count, out);
+  const Vec3d from = corner_ - surface.position, normal = surface.normal;  // subtracted in double
+  const Part part = part_above(dot(from, normal), dot(cut_u_, normal), dot(cut_v_, normal));
+  evaluate_from_one(terms_, Vec3f(from), Vec3f(normal), part, u, v, count, out);
 }
 
 void FlatEmitter::evaluate_each(const SurfaceColumns& surfaces, const float* u, const float* v,
                                 LightPoints& out) const {
   alignas(64) float s[kBatch], t[kBatch];
   to_shape(u, v, surfaces.count, s, t);
-  evaluate_from_each(terms_, corner_, surfaces, u, v, out);
+  evaluate_from_each(terms_, corner_, cut_u_, cut_v_, surfaces, u, v, out);
 }
 
 double FlatEmitter::seen_along(const SightLine& line) const {

@@ -27,7 +27,7 @@ class FlatEmitter final : public Emitter {
   /// error 1e-6 from one radius away, tests/native/test_luminaire.cpp).
   double form_factor(const SurfacePoint& surface) const override;
   void form_factors(const SurfaceColumns& surfaces, double* out) const override;
-  /// Uniformly in area.
+  /// Uniformly in area, but for what a rectangle has below the surface's horizon.
   void evaluate(const SurfacePoint& surface, const float* u, const float* v, uint32_t count,
                 LightPoints& out) const override;
   void evaluate_each(const SurfaceColumns& surfaces, const float* u, const float* v,
@@ -44,6 +44,7 @@ class FlatEmitter final : public Emitter {
   LuminaireShape shape_;
   std::vector<Vec3d> vertices_, edges_;  // outline relative to corner_, and from each vertex to the next
   Vec3d corner_, edge_u_, edge_v_;       // of the parallelogram that holds the shape
+  Vec3d cut_u_, cut_v_;                  // its edges, if points may be taken from a part of it
   Vec3d normal_;                         // unit, on the emitting side
   double area_;                          // of the shape, render space
   FormFactorTerms terms_;

@@ -47,8 +47,10 @@ float integrate(float cosine, float roughness, const F& reflectance) {
   return sum / kPoints;
 }
 
+/// On the table's axis; no number counts as the least.
 float position(float value, float low, float high, int steps) {
-  return std::clamp((value - low) / (high - low), 0.0f, 1.0f) * float(steps - 1);
+  const float share = (value - low) / (high - low);
+  return (share > 0 ? std::min(share, 1.0f) : 0.0f) * float(steps - 1);
 }
 float at(int step, float low, float high, int steps) {
   return low + (high - low) * float(step) / float(steps - 1);

@@ -222,8 +222,8 @@ void FilteredBlock::find_uncertain() {
     const bool wide = c_.luminaires[s / (frame_.glossy ? 2 : 1) % c_.luminaires.size()].is_wide();
     for (uint32_t p = 0; p < block_.pixels(); ++p) {
       const Slot& slot = slots(p)[s];
-      // All points of the first look lay below the horizon, and yet light arrives.
-      const bool blind = !slot.lit && !slot.dark && max_abs(slot.now.unshadowed) > 0;
+      // Most points of the first look lay below the horizon, and yet light arrives.
+      const bool blind = 2 * slot.rays < kFirstSamples && max_abs(slot.now.unshadowed) > 0;
       if (flags[p] == (kLit | kDark) || (wide && flags[p]) || blind) mark_uncertain(p, s);
     }
   }

@@ -95,9 +95,19 @@ double FilteredPixel::blind_variance(std::span<const Slot> slots, double display
                                      double exponent) const {
   double sum = 0;
   for (const Slot& slot : slots) {
-    if (!slot.uncertain || 2 * slot.rays >= count) continue;
+    if (!slot.uncertain || slot.rays == 0 || 2 * slot.rays >= count) continue;
     const double size = max_abs(slot.now.unshadowed) / count * display_scale;
-    sum += size * size * (slot.rays ? 0.25 * std::pow(slot.rays, -2 * exponent) : 1.0);
+    sum += size * size * 0.25 * std::pow(slot.rays, -2 * exponent);
+  }
+  return sum;
+}
+
+double FilteredPixel::unknown_variance(std::span<const Slot> slots, double display_scale) const {
+  double sum = 0;
+  for (const Slot& slot : slots) {
+    if (!slot.uncertain || slot.rays > 0) continue;
+    const double size = max_abs(slot.now.unshadowed) / count * display_scale;
+    sum += size * size;
   }
   return sum;
 }

@@ -68,6 +68,8 @@ struct FilteredPixel {
   /// standard error's n^-e.
   double prior_variance(std::span<const Slot> slots, double display_scale, double exponent) const;
   double blind_variance(std::span<const Slot> slots, double display_scale, double exponent) const;
+  /// Of luminaires that no sample could look at: all of their light. Neighbours can't help here.
+  double unknown_variance(std::span<const Slot> slots, double display_scale) const;
   /// Half of the first level is done.
   void remember_power(std::span<Slot> slots);
   /// After the samples up to `count`, a level: the variance that its blocks tell; remembers the sums.

@@ -43,7 +43,7 @@ double TileError::of(uint32_t p) const {
     if (std::abs(int(q) % width - x) > kPool || std::abs(int(q) / width - y) > kPool) continue;
     pooled.add(pixels_[q].variance, double(pixels_[q].count) / pixels_[p].count, 2 * exponent_);
   }
-  return std::sqrt(pooled.mean());
+  return std::sqrt(pooled.mean() + pixels_[p].unknown_variance(frame_.of_pixel(p), display_scale_));
 }
 
 }  // namespace penumbra

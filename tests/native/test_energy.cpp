@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "material/energy.h"
 #include "material/lobes.h"
@@ -65,6 +66,19 @@ TEST(Energy, DielectricsReflectWhatTheirIntegralSays) {
 TEST(Energy, SmoothMicrofacetsReflectEverything) {
   EXPECT_NEAR(ggx_albedo(0.7f, 0.0f), 1, 2e-3);
   EXPECT_NEAR(mean_ggx_albedo(0.0f), 1, 5e-3);
+}
+
+/// A shader's nodes can give anything. Found by fuzzing: NaN read far outside the tables.
+TEST(Energy, ValuesThatAreNoNumbersStayInsideTheTables) {
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN(),
+                  kInf = std::numeric_limits<float>::infinity();
+  for (const float a : {kNan, kInf, -kInf, 0.5f})
+    for (const float b : {kNan, kInf, -kInf, 0.5f}) {
+      EXPECT_NEAR(ggx_albedo(a, b), 0.5, 0.51) << a << " " << b;
+      EXPECT_NEAR(mean_ggx_albedo(b), 0.5, 0.51) << b;
+      for (const float ior : {kNan, kInf, -kInf, -1.0f, 0.0f, 1.5f})
+        EXPECT_NEAR(dielectric_albedo(a, b, ior), 0.5, 0.51) << a << " " << b << " " << ior;
+    }
 }
 
 /// A white furnace: what bounces between the facets of a white surface comes out again, too.
