@@ -162,6 +162,16 @@ def light_is_met_by_rays(light) -> bool:
     return getattr(getattr(light, "cycles", None), "use_multiple_importance_sampling", True)
 
 
+def motion_blur_position(scene) -> str:
+    """START, CENTER or END: what the frame is of the time that the shutter is open (Cycles' own before Blender 4.2)."""
+    return getattr(scene.render, "motion_blur_position", None) or scene.cycles.motion_blur_position
+
+
+def hair_shape(scene) -> str:
+    """RIBBON or TUBE, the native scene's names for Cycles' two shapes of strands."""
+    return "TUBE" if getattr(getattr(scene, "cycles_curves", None), "shape", "RIBBONS") == "THICK" else "RIBBON"
+
+
 def set_file_format(image_settings, file_format: str) -> None:
     """Chooses the file format of a scene's pictures; from Blender 5.0 on the kind of medium has to be chosen first."""
     if hasattr(image_settings, "media_type"):

@@ -13,6 +13,7 @@ import bpy
 from . import checkpoint, cryptomatte, native, passes, properties, statistics, viewport
 from .export import ExportCancelled, ExportError, Kept, export_scene
 from .export.camera import frame_size, render_region
+from .export.motion import record as record_motion
 from .notes import Notes
 
 POLL_SECONDS = 0.05
@@ -70,9 +71,14 @@ class PenumbraRenderEngine(bpy.types.RenderEngine):
         passes.note_missing(view_layer, notes)
         wanted = passes.native_settings(scene, view_layer)
         mattes: dict[str, set[str]] = {}
-        exported = export_scene(pn, depsgraph, self.camera_override, notes, self.test_break,
-                                kept=self.kept_meshes(pn, scene), passes=frozenset(wanted["passes"]),
-                                mattes=mattes)  # fmt: skip
+        kept = self.kept_meshes(pn, scene)
+        motion = record_motion(self, depsgraph, notes, self.test_break)
+        try:
+            exported = export_scene(pn, depsgraph, self.camera_override, notes, self.test_break, kept=kept,
+                                    passes=frozenset(wanted["passes"]), mattes=mattes, motion=motion)  # fmt: skip
+        finally:
+            if motion:
+                motion.end()
         seconds = {"export": perf_counter() - start, "return": 0.0}
 
         self.update_stats("", "Building the ray tracing structure")

@@ -72,7 +72,7 @@ void add(const ClosureStep& step, const Vec3f* r, float cosine, Closures& out) {
 /// The surface beside a point, at `offset` in the plane of its triangle, render space.
 SurfaceSample beside(const SurfaceSample& here, const SurfacePlace& place, const Vec3d& offset,
                      double scale) {
-  const Vec3d in_mesh = place.render_from_mesh->inverse_vector(offset);
+  const Vec3d in_mesh = place.render_from_mesh_now().inverse_vector(offset);
   const double ee = dot(place.edge1, place.edge1), ef = dot(place.edge1, place.edge2),
                ff = dot(place.edge2, place.edge2), oe = dot(in_mesh, place.edge1),
                of = dot(in_mesh, place.edge2);
@@ -83,7 +83,7 @@ SurfaceSample beside(const SurfaceSample& here, const SurfacePlace& place, const
     result.v += float((of * ee - oe * ef) / determinant);
   }
   result.position += Vec3f(offset / scale);
-  result.object_position += Vec3f(place.render_from_object->inverse_vector(offset));
+  result.object_position += Vec3f(place.render_from_object_now().inverse_vector(offset));
   return result;
 }
 
@@ -162,7 +162,7 @@ Closures Materials::evaluate(const Program& program, SurfacePoint& surface, cons
   machine.tables = program.tables.data();
   machine.place = &place;
   machine.at[0] = {Vec3f(place.normalization->world_point(surface.position)),
-                   Vec3f(place.render_from_object->inverse_point(surface.position)), float(place.u),
+                   Vec3f(place.render_from_object_now().inverse_point(surface.position)), float(place.u),
                    float(place.v)};
   machine.normal = Vec3f(surface.normal);
   machine.geometric_normal = Vec3f(surface.geometric_normal);

@@ -33,13 +33,13 @@ void attribute(Machine& m, const Operation& o) {
 }
 
 Vec3f object_from_normal(const Machine& m, const Vec3f& normal) {
-  const Affine& t = *m.place->render_from_object;
+  const Affine t = m.place->render_from_object_now();
   const Vec3d n(normal);
   return Vec3f(normalize(Vec3d{dot(t.x_axis, n), dot(t.y_axis, n), dot(t.z_axis, n)}));
 }
 
 Vec3f normal_from_object(const Machine& m, const Vec3f& normal) {
-  const Affine& t = *m.place->render_from_object;
+  const Affine t = m.place->render_from_object_now();
   const double orientation = t.determinant() < 0 ? -1 : 1;
   return Vec3f(normalize(t.normal(Vec3d(normal))) * orientation);
 }

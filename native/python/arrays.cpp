@@ -116,6 +116,27 @@ std::vector<std::array<float, 4>> read_attribute(const py::array& array, const s
   return result;
 }
 
+std::vector<float> read_floats(const py::array& array, const std::string& name, const char* argument) {
+  check_shape(array, {kAny}, name, argument);
+  check_kind(array, "f", "a floating point type", name, argument);
+  const auto values = contiguous<float>(array);
+  return {values.data(), values.data() + values.size()};
+}
+
+std::vector<uint32_t> read_counts(const py::array& array, const std::string& name) {
+  check_shape(array, {kAny}, name, "counts");
+  check_kind(array, "iu", "an integer type", name, "counts");
+  const auto values = contiguous<int64_t>(array);
+  std::vector<uint32_t> result;
+  for (py::ssize_t i = 0; i < values.size(); ++i) {
+    const int64_t count = values.data()[i];
+    if (count < 0 || count > int64_t(std::numeric_limits<uint32_t>::max()))
+      throw py::value_error(name + ": counts must lie in 0 ... 2^32 - 1");
+    result.push_back(uint32_t(count));
+  }
+  return result;
+}
+
 std::vector<uint32_t> read_slots(const py::array& array, const std::string& name) {
   check_shape(array, {kAny}, name, "material_slots");
   check_kind(array, "iu", "an integer type", name, "material_slots");

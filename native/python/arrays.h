@@ -26,6 +26,10 @@ void check_shape(const py::array& array, const std::vector<py::ssize_t>& shape, 
 std::vector<Vec3d> read_positions(const py::array& array, const std::string& name);
 /// (T, 3) integers that fit into 32 bits without a sign.
 std::vector<std::array<uint32_t, 3>> read_triangles(const py::array& array, const std::string& name);
+/// (N,) floating point.
+std::vector<float> read_floats(const py::array& array, const std::string& name, const char* argument);
+/// (N,) integers from 0 on that fit into 32 bits.
+std::vector<uint32_t> read_counts(const py::array& array, const std::string& name);
 /// (T, 3, 3) floating point, one normal a corner.
 std::vector<Vec3f> read_corner_normals(const py::array& array, const std::string& name);
 /// (height, width, 3) colours, row by row.

@@ -7,6 +7,7 @@
 
 #include "python/arrays.h"
 #include "python/bindings.h"
+#include "scene/strands.h"
 #include "visibility/placed_mesh.h"
 
 namespace penumbra::python {
@@ -43,12 +44,69 @@ Mesh read_mesh(const std::string& name, const py::array& positions, const py::ar
 }
 
 using Attributes = std::map<uint32_t, py::array>;
+using Arrays = std::vector<py::array>;
 
 uint32_t add_mesh(PythonScene& self, const std::string& name, const py::array& positions,
                   const py::array& triangles, const std::optional<py::array>& corner_normals,
-                  const std::optional<py::array>& material_slots, const Attributes& attributes) {
-  return self.scene->add_mesh(
-      read_mesh(name, positions, triangles, corner_normals, material_slots, attributes));
+                  const std::optional<py::array>& material_slots, const Attributes& attributes,
+                  const Arrays& position_motion, const Arrays& normal_motion) {
+  Mesh mesh = read_mesh(name, positions, triangles, corner_normals, material_slots, attributes);
+  if (!normal_motion.empty() && normal_motion.size() != position_motion.size())
+    throw py::value_error(name + ": position_motion and normal_motion do not match");
+  for (size_t i = 0; i < position_motion.size(); ++i) {
+    MeshPose pose{read_positions(position_motion[i], name), {}};
+    if (!normal_motion.empty()) pose.corner_normals = read_corner_normals(normal_motion[i], name);
+    mesh.motion.push_back(std::move(pose));
+  }
+  return self.scene->add_mesh(std::move(mesh));
+}
+
+Mesh read_strands(const std::string& name, const py::array& positions, const py::array& radii,
+                  const Arrays& motion) {
+  Mesh mesh;
+  mesh.name = name;
+  mesh.positions = read_positions(positions, name);
+  check_shape(radii, {positions.shape(0)}, name, "radii");
+  mesh.radii = read_floats(radii, name, "radii");
+  for (const py::array& pose : motion) mesh.motion.push_back({read_positions(pose, name), {}});
+  return mesh;
+}
+
+StrandShape shape_from_name(const std::string& name, const std::string& shape) {
+  if (shape == "RIBBON") return StrandShape::kRibbon;
+  if (shape == "TUBE") return StrandShape::kTube;
+  throw py::value_error(name + ": shape is '" + shape + "', expected RIBBON or TUBE");
+}
+
+uint32_t add_curves(PythonScene& self, const std::string& name, const py::array& keys, const py::array& radii,
+                    const py::array& counts, const std::string& shape, const Arrays& motion) {
+  Mesh mesh = read_strands(name, keys, radii, motion);
+  mesh.strands = shape_from_name(name, shape);
+  make_curves(mesh, read_counts(counts, name));
+  return self.scene->add_mesh(std::move(mesh));
+}
+
+uint32_t add_points(PythonScene& self, const std::string& name, const py::array& positions,
+                    const py::array& radii, const Arrays& motion) {
+  Mesh mesh = read_strands(name, positions, radii, motion);
+  mesh.strands = StrandShape::kSphere;
+  make_points(mesh);
+  return self.scene->add_mesh(std::move(mesh));
+}
+
+std::vector<Affine> read_poses(const Arrays& poses, const std::string& name) {
+  std::vector<Affine> result;
+  for (const py::array& pose : poses) result.push_back(read_transform(pose, name, "motion"));
+  return result;
+}
+
+uint32_t add_instance(PythonScene& self, const std::string& name, uint32_t mesh,
+                      const py::array& world_from_object, const std::vector<uint32_t>& materials,
+                      RayMask rays, uint32_t receiver_set, const Arrays& motion) {
+  Instance instance{name,      mesh, read_transform(world_from_object, name, "world_from_object"),
+                    materials, rays, receiver_set};
+  instance.motion = read_poses(motion, name);
+  return self.scene->add_instance(std::move(instance));
 }
 
 std::shared_ptr<KeptMesh> keep(MeshStore& self, const std::string& name, const py::array& positions,
@@ -85,21 +143,23 @@ store.)")
 
 void set_camera(PythonScene& self, const std::string& kind, const py::array& world_from_camera,
                 const std::array<double, 4>& window, const Pair& clip,
-                const std::optional<ApertureNumbers>& aperture) {
+                const std::optional<ApertureNumbers>& aperture, const Arrays& motion,
+                const std::vector<std::array<double, 4>>& window_motion, const std::vector<double>& shutter) {
   if (kind != "PERSPECTIVE" && kind != "ORTHOGRAPHIC")
     throw py::value_error("camera: kind is '" + kind + "', expected PERSPECTIVE or ORTHOGRAPHIC");
   Camera camera{kind == "PERSPECTIVE" ? CameraKind::kPerspective : CameraKind::kOrthographic,
                 read_transform(world_from_camera, "camera", "world_from_camera"),
-                window[0],
-                window[1],
-                window[2],
-                window[3],
+                {window[0], window[1], window[2], window[3]},
                 clip[0],
                 clip[1]};
   if (aperture) {
     const auto& [radius, focus_distance, blades, rotation, ratio] = *aperture;
     camera.aperture = {radius, focus_distance, blades, rotation, ratio};
   }
+  camera.motion = read_poses(motion, "camera");
+  for (const std::array<double, 4>& w : window_motion)
+    camera.window_motion.push_back({w[0], w[1], w[2], w[3]});
+  camera.shutter = shutter;
   self.scene->set_camera(camera);
 }
 
@@ -167,12 +227,26 @@ copied. Once a Render was made of the scene, meshes and instances are fixed; the
            py::arg("textures") = py::none())
       .def("add_mesh", &add_mesh, py::arg("name"), py::arg("positions"), py::arg("triangles"),
            py::arg("corner_normals") = py::none(), py::arg("material_slots") = py::none(),
-           py::arg("attributes") = Attributes{},
+           py::arg("attributes") = Attributes{}, py::arg("position_motion") = Arrays{},
+           py::arg("normal_motion") = Arrays{},
            R"(Adds triangles in object space and returns the mesh's number.
 
 positions: (V, 3) float32 or float64. triangles: (T, 3) integers, vertex indices. corner_normals: (T, 3, 3) float
 in object space, or None for flat shading. material_slots: (T,) integers, or None for slot 0. attributes: by number,
-(T, 3, 4) float at each corner: what programs read by that number.)")
+(T, 3, 4) float at each corner: what programs read by that number. position_motion: positions at 2 to 129 evenly spaced
+times from the shutter's opening to its closing, linear in between; normal_motion: corner_normals at these times.)")
+      .def("add_curves", &add_curves, py::arg("name"), py::arg("keys"), py::arg("radii"), py::arg("counts"),
+           py::arg("shape"), py::arg("motion") = Arrays{},
+           R"(Adds strands, cubic Catmull-Rom curves, in object space and returns their number as a mesh's.
+
+keys: (K, 3) floating point, those of all strands one after the other. radii: (K,) floating point. counts: (S,) integers,
+keys of each strand. shape: RIBBON, turned to each ray and shaded as round, or TUBE. motion: keys at times as in
+add_mesh.)")
+      .def("add_points", &add_points, py::arg("name"), py::arg("positions"), py::arg("radii"),
+           py::arg("motion") = Arrays{},
+           "Adds spheres, (N, 3) and (N,), in object space and returns their number as a mesh's. motion: as "
+           "in "
+           "add_mesh.")
       .def(
           "add_kept_mesh",
           [](PythonScene& self, const std::string& name, const std::shared_ptr<KeptMesh>& mesh) {
@@ -197,26 +271,25 @@ in object space, or None for flat shading. material_slots: (T,) integers, or Non
 
 Returns the material's number.)")
       .def(
-          "add_instance",
-          [](PythonScene& self, const std::string& name, uint32_t mesh, const py::array& world_from_object,
-             const std::vector<uint32_t>& materials, RayMask rays, uint32_t receiver_set) {
-            return self.scene->add_instance({name, mesh,
-                                             read_transform(world_from_object, name, "world_from_object"),
-                                             materials, rays, receiver_set});
-          },
-          py::arg("name"), py::arg("mesh"), py::arg("world_from_object"), py::arg("materials"),
-          py::arg("rays") = kAnyRay, py::arg("receiver_set") = 0,
-          R"(Places a mesh and returns the instance's number. world_from_object: (4, 4) float64. materials: numbers of materials, one a slot; slots beyond
-the end use the last one. rays: the kinds of rays that it is there for, a sum of CAMERA_RAY, MIRROR_RAY, SHADOW_RAY and
+          "add_instance", &add_instance, py::arg("name"), py::arg("mesh"), py::arg("world_from_object"),
+          py::arg("materials"), py::arg("rays") = kAnyRay, py::arg("receiver_set") = 0,
+          py::arg("motion") = Arrays{},
+          R"(Places a mesh and returns the instance's number. world_from_object: (4, 4) float64. materials: numbers of
+materials, one a slot; slots beyond the end use the last one. rays: the kinds of rays that it is there for, a sum of CAMERA_RAY, MIRROR_RAY, SHADOW_RAY and
 blocker_set_ray(n). receiver_set: a number that LuminaireRole.receivers
-refers to.)")
+refers to. motion: the transform at 2 to 129 evenly spaced times from the shutter's opening to its closing, turned at
+even speed in between; empty where it stands still. world_from_object is then that of the shutter's centre.)")
       .def(
           "set_camera", &set_camera, py::arg("kind"), py::arg("world_from_camera"), py::arg("window"),
-          py::arg("clip"), py::arg("aperture") = py::none(),
+          py::arg("clip"), py::arg("aperture") = py::none(), py::arg("motion") = Arrays{},
+          py::arg("window_motion") = std::vector<std::array<double, 4>>{},
+          py::arg("shutter") = std::vector<double>{},
           R"(kind: PERSPECTIVE or ORTHOGRAPHIC, looking along local -z. window: (left, right, bottom, top) of the full
 frame, in the plane z = -1 or in world units. clip: (start, end) along the view axis. aperture: (radius, focus
 distance, blades, rotation, ratio) of a thin lens, lengths in world units and the rotation in radians; round below
-three blades, its height `ratio` times its width. One ray a pixel goes through its middle.)")
+three blades, its height `ratio` times its width. One ray a pixel goes through its middle. motion, window_motion: transform and window at
+as many times as of an instance. shutter: how far it is open at evenly spaced times, in any unit; empty: wholly. One ray a pixel sees the
+scene at the shutter's centre.)")
       .def_property_readonly(
           "is_lit",
           [](const PythonScene& self) {

@@ -12,37 +12,37 @@ namespace penumbra {
 /// Depth pass shows, and what the clip range is about.
 class CameraRays {
  public:
-  CameraRays(const Camera& camera, const Normalization& normalization, uint32_t width, uint32_t height)
-      : camera_(camera),
-        render_from_camera_(normalization.transform(camera.world_from_camera)),
-        step_x_((camera.right - camera.left) / width),
-        step_y_((camera.top - camera.bottom) / height) {}
+  CameraRays(const Camera& camera, const Normalization& normalization, uint32_t width, uint32_t height);
 
   /// The lens has an opening.
   bool has_lens() const { return camera_.aperture.radius > 0; }
+  /// The camera is elsewhere at another time.
+  bool moves() const { return !render_from_camera_motion_.empty(); }
 
   /// Through the point (x, y) of the full frame, in pixels from its bottom left corner, and the middle of the
-  /// lens.
+  /// lens, at the shutter's centre.
   Ray through(double x, double y) const {
-    const double u = camera_.left + x * step_x_, v = camera_.bottom + y * step_y_;
+    const double u = camera_.window.left + x * step_x_, v = camera_.window.bottom + y * step_y_;
     const bool perspective = camera_.kind == CameraKind::kPerspective;
     const Vec3d origin = perspective ? Vec3d{} : Vec3d{u, v, 0};
     const Vec3d direction = perspective ? Vec3d{u, v, -1} : Vec3d{0, 0, -1};
-    return placed(origin, direction);
-  }
-
-  /// The same, through the place on the lens that a point of the unit square stands for.
-  Ray through(double x, double y, double lens_u, double lens_v) const;
-
- private:
-  Ray placed(const Vec3d& origin, const Vec3d& direction) const {
     return {render_from_camera_.point(origin), render_from_camera_.vector(direction), camera_.clip_start,
             camera_.clip_end};
   }
 
+  /// The same, through the place on the lens that a point of the unit square stands for, at a time.
+  Ray through(double x, double y, double lens_u, double lens_v, double time) const;
+
+  /// The time of the shutter, distributed as it is open, that a variate in [0, 1) stands for.
+  double time(double variate) const;
+
+ private:
   Camera camera_;
   Affine render_from_camera_;
-  double step_x_, step_y_;  // of a pixel, in the window's units
+  std::vector<Affine> render_from_camera_motion_;  // none where it stands still
+  uint32_t width_, height_;
+  double step_x_, step_y_;        // of a pixel, in the window's units
+  std::vector<double> exposure_;  // share of the light that came up to each of the shutter's times
 };
 
 /// A place of the opening in world units, uniform over its area where (u, v) is over the unit square: the

@@ -75,7 +75,7 @@ FilteredBlock::FilteredBlock(const RenderContext& context, const Rectangle& core
       block_(block_of(core, area_, context.settings)),
       display_scale_(std::exp2(context.settings.exposure)),
       tolerance_(context.settings.error_tolerance),
-      dimensions_(context.camera.has_lens() ? 6 : 4),
+      dimensions_(context.pixel_rays.dimensions()),
       pixels_(block_.pixels()),
       frame_(make_frame(context, area_, block_)),
       packet_(context, frame_, tally),

@@ -61,7 +61,7 @@ PathTracer::PathTracer(const Scene& scene, const Geometry& geometry, const Mater
       seen_(seen_luminaires(scene, geometry.normalization())),
       mirror_depth_(scene.has_mirrors() ? settings.mirror_depth : 0),
       length_(mirror_depth_ + 1 + (scene.has_transparency() ? kMaxLitPassed : 0)),
-      pixel_(std::abs(scene.camera().right - scene.camera().left) / settings.width) {}
+      pixel_(std::abs(scene.camera().window.right - scene.camera().window.left) / settings.width) {}
 
 /// What a part sees that meets nothing.
 void PathTracer::leave(const Part& part, PathEnd& end, const PathRecord* record) const {

@@ -33,9 +33,9 @@ SamplerSettings pixel_sampler_settings(const RenderSettings& settings) {
 }
 
 /// Most of them a pixel; the other rules need them where more than the filter spreads rays.
-uint32_t pixel_light_samples(const RenderSettings& settings, const CameraRays& camera) {
+uint32_t pixel_light_samples(const RenderSettings& settings, bool spread) {
   if (settings.filtered()) return settings.max_pixel_samples;
-  return camera.has_lens() ? settings.pixel_samples : 0;
+  return spread ? settings.pixel_samples : 0;
 }
 
 /// Valid settings whose film fits into the memory limit.
@@ -93,8 +93,9 @@ Renderer::Renderer(std::shared_ptr<const Scene> scene, std::shared_ptr<const Geo
       filter_(settings_.filter_type, settings_.filter_width),
       camera_(scene_->camera(), geometry_->normalization(), settings_.width, settings_.height),
       paths_(*scene_, *geometry_, *materials_, settings_),
-      pixel_light_sampler_(pixel_light_samples(settings_, camera_), settings_.seed, camera_.has_lens()),
-      pixel_rays_(camera_, filter_, pixel_light_sampler_),
+      pixel_rays_(camera_, filter_, pixel_light_sampler_, geometry_->moves() || camera_.moves()),
+      pixel_light_sampler_(pixel_light_samples(settings_, pixel_rays_.spread()), settings_.seed,
+                           pixel_rays_.spread()),
       luminaires_(emitting_luminaires(*scene_, *geometry_, *materials_)),
       lighting_(make_lighting(*geometry_, *light_sampler_, settings_)) {
   if (settings_.stop_rule == StopRuleKind::kBounded && luminaires_.size() > kFewLuminaires)

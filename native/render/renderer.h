@@ -87,8 +87,8 @@ class Renderer {
   PixelFilter filter_;
   CameraRays camera_;
   PathTracer paths_;
-  PixelLightSampler pixel_light_sampler_;
   PixelRays pixel_rays_;
+  PixelLightSampler pixel_light_sampler_;
   std::vector<Luminaire> luminaires_;      // those that emit
   std::unique_ptr<LightTree> light_tree_;  // where there are many
   std::unique_ptr<Lighting> lighting_;

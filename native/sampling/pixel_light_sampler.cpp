@@ -3,6 +3,7 @@
 
 #include "math/simd.h"
 #include "sampling/hash.h"
+#include "sampling/sampler.h"
 
 namespace penumbra {
 namespace {
@@ -25,19 +26,26 @@ std::vector<FixedPoint2> table(const DigitalMatrices& matrices, uint32_t count) 
   return reversed;
 }
 
-/// Tells the lens' scrambling from the pixel's.
-constexpr uint64_t kLensKey = 0x6C656E73;
+/// Tell the lens' and the time's scrambling from the pixel's.
+constexpr uint64_t kLensKey = 0x6C656E73, kTimeKey = 0x74696D65;
 
 }  // namespace
 
-PixelLightSampler::PixelLightSampler(uint32_t count, uint32_t seed, bool lens)
+PixelLightSampler::PixelLightSampler(uint32_t count, uint32_t seed, bool lens_and_time)
     : seed_(seed),
       pixel_(table(kSobolPixel, count)),
       light_(table(kSobolLight, count)),
-      lens_(table(kSobolLens, lens ? count : 0)) {}
+      lens_(table(kSobolLens, lens_and_time ? count : 0)),
+      time_(table(kSobolTime, lens_and_time ? count : 0)) {}
 
 void PixelLightSampler::lens(uint64_t key, uint32_t first, uint32_t count, float* u, float* v) const {
   scramble(&lens_[first], hash_of(kLensKey, key), count, u, v);
+}
+
+/// count: at most kPacket.
+void PixelLightSampler::time(uint64_t key, uint32_t first, uint32_t count, float* u) const {
+  alignas(64) float unused[kPacket];
+  scramble(&time_[first], hash_of(kTimeKey, key), count, u, unused);
 }
 
 void PixelLightSampler::scramble(const FixedPoint2* reversed, uint64_t key, uint32_t count, float* u,

@@ -12,7 +12,7 @@ namespace {
 /// the bits of `inner`, a_1 highest): v_i = a_1 v_(i-1) ^ ... ^ v_(i-d) ^ (v_(i-d) >> d), on left-aligned
 /// v_i.
 constexpr std::array<uint32_t, 32> sobol_columns(int degree, uint32_t inner,
-                                                 std::array<uint32_t, 4> initial) {
+                                                 std::array<uint32_t, 5> initial) {
   std::array<uint32_t, 32> v{};
   for (int i = 0; i < degree; ++i) v[i] = initial[i] << (31 - i);
   for (int i = degree; i < 32; ++i) {
@@ -66,10 +66,12 @@ uint32_t scrambled_radical_inverse_base3(uint64_t index, uint64_t seed) {
 constexpr DigitalMatrices kNumericalRecipesSobol = {sobol_columns(1, 0, {1}), sobol_columns(2, 1, {1, 1})};
 constexpr DigitalMatrices kZeroTwoSobol = {identity_columns(), sobol_columns(1, 0, {1})};
 
-/// The first six dimensions of S. Joe and F. Y. Kuo's table new-joe-kuo-6 (2008).
+/// The first eight dimensions of S. Joe and F. Y. Kuo's table new-joe-kuo-6 (2008).
 constexpr DigitalMatrices kSobolPixel = {identity_columns(), sobol_columns(1, 0, {1})};
 constexpr DigitalMatrices kSobolLight = {sobol_columns(2, 1, {1, 3}), sobol_columns(3, 1, {1, 3, 1})};
 constexpr DigitalMatrices kSobolLens = {sobol_columns(3, 2, {1, 1, 1}), sobol_columns(4, 1, {1, 1, 3, 3})};
+constexpr DigitalMatrices kSobolTime = {sobol_columns(4, 4, {1, 3, 5, 13}),
+                                        sobol_columns(5, 2, {1, 1, 5, 5, 17})};
 
 FixedPoint2 digital_point(const DigitalMatrices& matrices, uint32_t index) {
   FixedPoint2 p{0, 0};

@@ -25,9 +25,9 @@ extern const DigitalMatrices kNumericalRecipesSobol;
 /// Van der Corput x the second Sobol' dimension (Pascal's triangle mod 2): a (0,2)-sequence in base 2.
 extern const DigitalMatrices kZeroTwoSobol;
 
-/// Sobol' in six dimensions, two each for the places in the pixel, on the luminaire and on the lens: together
-/// they are stratified as padded pairs are not.
-extern const DigitalMatrices kSobolPixel, kSobolLight, kSobolLens;
+/// Sobol' in seven dimensions, two each for the places in the pixel, on the luminaire and on the lens, and
+/// one, the first of a pair, for time: together they are stratified as padded ones are not.
+extern const DigitalMatrices kSobolPixel, kSobolLight, kSobolLens, kSobolTime;
 
 /// Point of a digital sequence in the order of Antonov and Saleev, which Numerical Recipes uses: the
 /// exclusive or of the columns that the digits of the index's Gray code select. Blocks [j 2^k, (j+1) 2^k)

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "math/motion.h"
 #include "scene/normalization.h"
 
 namespace penumbra {
@@ -27,6 +28,17 @@ struct SurfacePlace {
   uint32_t triangle = 0;
   double u = 0, v = 0;  // barycentric weights of its second and third corner
   bool backfacing = false;
+  // Of an instance that moves: transforms at evenly spaced times, empty where it stands still.
+  const std::vector<Affine>*object_motion = nullptr, *mesh_motion = nullptr;
+  double time = 0.5;
+
+  Affine render_from_object_now() const { return now(object_motion, *render_from_object); }
+  Affine render_from_mesh_now() const { return now(mesh_motion, *render_from_mesh); }
+
+ private:
+  Affine now(const std::vector<Affine>* motion, const Affine& still) const {
+    return motion ? at_time(*motion, still, time) : still;
+  }
 };
 
 }  // namespace penumbra

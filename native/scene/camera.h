@@ -3,8 +3,9 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
-#include "math/transform.h"
+#include "math/motion.h"
 
 namespace penumbra {
 
@@ -19,13 +20,30 @@ struct Aperture {
   double ratio = 1;           // height over width
 };
 
-/// Looks along its local -z. `window` is the full frame in the plane z = -1 (perspective) or in world units.
+/// The full frame in the plane z = -1 (perspective) or in world units.
+struct Window {
+  double left = -1, right = 1, bottom = -1, top = 1;
+
+  friend Window operator*(const Window& w, double s) {
+    return {w.left * s, w.right * s, w.bottom * s, w.top * s};
+  }
+  friend Window operator+(const Window& a, const Window& b) {
+    return {a.left + b.left, a.right + b.right, a.bottom + b.bottom, a.top + b.top};
+  }
+};
+
+/// Looks along its local -z.
 struct Camera {
   CameraKind kind = CameraKind::kPerspective;
-  Affine world_from_camera;
-  double left = -1, right = 1, bottom = -1, top = 1;
+  Affine world_from_camera;  // these two at the shutter's centre
+  Window window = {};
   double clip_start = 0.1, clip_end = 1000;  // along the view axis
   Aperture aperture = {};
+  // At evenly spaced times from the shutter's opening to its closing; empty where it stands still.
+  std::vector<Affine> motion = {};
+  std::vector<Window> window_motion = {};
+  // How far the shutter is open at evenly spaced times, any unit; empty: it opens and closes at once.
+  std::vector<double> shutter = {};
 };
 
 }  // namespace penumbra

@@ -72,14 +72,29 @@ uint64_t hash_of_traits(uint64_t h, const ObjectTraits& traits) {
   return hash_of(hash_of(h, traits.holdout), traits.indirect_only);
 }
 
-}  // namespace
+/// Embree's most times.
+constexpr size_t kMostPoses = 129;
 
-void Scene::check_not_frozen(const std::string& name) const {
-  if (frozen_) refuse(name, "the scene was rendered already: meshes and instances can't be added any more");
+void check_poses(const std::string& name, size_t count) {
+  if (count == 1 || count > kMostPoses) refuse(name, "motion must be told at 2 to 129 times");
 }
 
+void check_motion(const Mesh& mesh) {
+  check_poses(mesh.name, mesh.motion.size());
+  for (const MeshPose& pose : mesh.motion) {
+    if (pose.positions.size() != mesh.positions.size() ||
+        pose.corner_normals.size() != mesh.corner_normals.size())
+      refuse(mesh.name, "the motion has another number of vertices or corners");
+    for (const Vec3d& p : pose.positions)
+      if (!is_finite(p)) refuse(mesh.name, "a vertex of the motion is not finite");
+  }
+}
+
+}  // namespace
+
 void check_mesh(const Mesh& mesh) {
-  check_triangles(mesh.name, mesh.positions, mesh.triangles);
+  if (mesh.strands == StrandShape::kNone) check_triangles(mesh.name, mesh.positions, mesh.triangles);
+  check_motion(mesh);  // strands were checked where they were made (strands.h)
   if (!mesh.corner_normals.empty() && mesh.corner_normals.size() != 3 * mesh.triangles.size())
     refuse(mesh.name, "corner normals do not match the number of triangles");
   if (!mesh.material_slots.empty() && mesh.material_slots.size() != mesh.triangles.size())
@@ -94,7 +109,14 @@ uint64_t hash_of(const Mesh& mesh) {
   for (const Attribute& attribute : mesh.attributes)
     h = hash_array(hash_of(h, attribute.name), attribute.corners);
   h = hash_array(hash_array(h, mesh.positions), mesh.triangles);
+  for (const MeshPose& pose : mesh.motion) h = hash_array(hash_array(h, pose.positions), pose.corner_normals);
+  if (mesh.strands != StrandShape::kNone)
+    h = hash_array(hash_array(hash_of(h, uint64_t(mesh.strands)), mesh.radii), mesh.segments);
   return hash_array(hash_array(h, mesh.corner_normals), mesh.material_slots);
+}
+
+void Scene::check_not_frozen(const std::string& name) const {
+  if (frozen_) refuse(name, "the scene was rendered already: meshes and instances can't be added any more");
 }
 
 uint32_t Scene::add_mesh(Mesh mesh) {
@@ -159,6 +181,10 @@ uint32_t Scene::add_instance(Instance instance) {
   hash_ = hash_bytes(hash_, &instance.world_from_object, sizeof(Affine));
   hash_ = hash_array(hash_of(hash_, instance.mesh), instance.materials);
   hash_ = hash_of(hash_of(hash_, instance.rays), instance.receiver_set);
+  check_poses(name, instance.motion.size());
+  for (const Affine& pose : instance.motion)
+    if (!pose.finite()) refuse(name, "the transform is not finite at some time");
+  if (!instance.motion.empty()) hash_ = hash_array(hash_, instance.motion);
   hash_ = hash_of_traits(hash_, traits_);
   instance.traits = traits_;
   if (traits_.indirect_only) instance.rays &= ~kCameraRay;
@@ -273,11 +299,24 @@ void Scene::add_luminaire(TexturedLuminaire luminaire) {
 }
 
 void Scene::set_camera(const Camera& camera) {
-  if (!camera.world_from_camera.finite() || camera.world_from_camera.determinant() == 0)
-    refuse("camera", "the transform is not finite or is singular");
-  if (!(camera.left != camera.right && camera.bottom != camera.top &&
-        std::isfinite(camera.right - camera.left) && std::isfinite(camera.top - camera.bottom)))
-    refuse("camera", "the field of view is empty or not finite");
+  const auto check_pose = [](const Affine& pose, const Window& window) {
+    if (!pose.finite() || pose.determinant() == 0)
+      refuse("camera", "the transform is not finite or is singular");
+    if (!(window.left != window.right && window.bottom != window.top &&
+          std::isfinite(window.right - window.left) && std::isfinite(window.top - window.bottom)))
+      refuse("camera", "the field of view is empty or not finite");
+  };
+  check_pose(camera.world_from_camera, camera.window);
+  check_poses("camera", camera.motion.size());
+  if (camera.motion.size() != camera.window_motion.size())
+    refuse("camera", "its motion has another number of transforms than of windows");
+  for (size_t i = 0; i < camera.motion.size(); ++i) check_pose(camera.motion[i], camera.window_motion[i]);
+  double open = 0;
+  for (const double share : camera.shutter) {
+    if (!(share >= 0 && std::isfinite(share))) refuse("camera", "the shutter is less than closed");
+    open += share;
+  }
+  if (!camera.shutter.empty() && open == 0) refuse("camera", "the shutter never opens");
   if (!(camera.clip_start < camera.clip_end && std::isfinite(camera.clip_start)))
     refuse("camera", "the clip start is not before the clip end");
   const Aperture& aperture = camera.aperture;
@@ -290,12 +329,15 @@ void Scene::set_camera(const Camera& camera) {
   camera_ = camera;
   has_camera_ = true;
   hash_ = hash_bytes(hash_, &camera.world_from_camera, sizeof(Affine));
-  const double rest[7] = {double(camera.kind), camera.left,       camera.right,   camera.bottom,
-                          camera.top,          camera.clip_start, camera.clip_end};
+  const Window& window = camera.window;
+  const double rest[7] = {double(camera.kind), window.left,       window.right,   window.bottom,
+                          window.top,          camera.clip_start, camera.clip_end};
   hash_ = hash_bytes(hash_, rest, sizeof(rest));
   const double lens[5] = {aperture.radius, aperture.focus_distance, double(aperture.blades),
                           aperture.rotation, aperture.ratio};
   if (aperture.radius > 0) hash_ = hash_bytes(hash_, lens, sizeof(lens));
+  if (!camera.motion.empty()) hash_ = hash_array(hash_array(hash_, camera.motion), camera.window_motion);
+  if (!camera.shutter.empty()) hash_ = hash_array(hash_, camera.shutter);
 }
 
 void Scene::set_background(const Background& background) {

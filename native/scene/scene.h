@@ -24,15 +24,30 @@ namespace penumbra {
 
 class KeptMesh;
 
-/// Triangles in object space.
+/// What of a mesh changes with time.
+struct MeshPose {
+  std::vector<Vec3d> positions;
+  std::vector<Vec3f> corner_normals;  // as the mesh has them
+};
+
+/// What strands and points are to rays: ribbons that face them, tubes, or spheres.
+enum class StrandShape { kNone, kRibbon, kTube, kSphere };
+
+/// Triangles in object space; or strands: cubic Catmull-Rom curves through keys of a radius each, or spheres.
 struct Mesh {
   std::string name;
   std::vector<Vec3d> positions;
-  std::vector<std::array<uint32_t, 3>> triangles;
-  std::vector<Vec3f> corner_normals;     // three a triangle, or none: flat
-  std::vector<uint32_t> material_slots;  // one a triangle, or none: slot 0
+  std::vector<std::array<uint32_t, 3>> triangles;  // of strands empty
+  std::vector<Vec3f> corner_normals;               // three a triangle, or none: flat
+  std::vector<uint32_t> material_slots;            // one a triangle, or none: slot 0
   std::vector<Attribute> attributes;
   std::shared_ptr<KeptMesh> kept = {};  // stands for all of the above but the name (see placed_mesh.h)
+  // At evenly spaced times from the shutter's opening to its closing; empty where only transforms move it.
+  std::vector<MeshPose> motion = {};
+  StrandShape strands = StrandShape::kNone;
+  std::vector<float> radii = {};        // of the positions, where they are strands
+  std::vector<uint32_t> segments = {};  // first of four keys of each curve's; of spheres none
+  size_t useless_strands = 0;           // that were left out
 };
 
 /// Throws std::invalid_argument, with the mesh's name, if its arrays do not fit together.
@@ -48,6 +63,7 @@ struct Instance {
   RayMask rays = kAnyRay;           // it is there for
   uint32_t receiver_set = 0;        // see LuminaireRole::receivers
   ObjectTraits traits = {};
+  std::vector<Affine> motion = {};  // as Mesh::motion; `world_from_object` is that of the shutter's centre
 };
 
 /// Closures of a constant material (the paper's BRDF and more, colours scene linear); those of one that

@@ -17,6 +17,7 @@ struct SurfacePoint {
   uint32_t material;
   SurfacePlace place = {};
   uint32_t receiver_set = 0;  // of its instance
+  double time = 0.5;          // of the shutter, as the ray's
 };
 
 }  // namespace penumbra

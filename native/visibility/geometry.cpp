@@ -3,6 +3,7 @@
 #include "visibility/geometry.h"
 
 #include <limits>
+#include <optional>
 
 namespace penumbra {
 namespace {
@@ -57,12 +58,16 @@ Barycentric intersect_plane(const Vec3d& origin, const Vec3d& direction, const V
 /// tests/hard_cases/test_b_acne_and_leaks.py.
 constexpr double kRelativeRounding = 0x1p-21;
 
+/// Rays start this share of its radius off a strand, whose surface Embree finds by iteration.
+constexpr double kStrandRounding = 1e-3;
+
 }  // namespace
 
 void Geometry::intersect(const Ray* rays, uint32_t active, Hit* hits) const {
   constexpr int kWidth = 16;
   alignas(64) RTCRayHit16 packet;
   alignas(64) int valid[kWidth];
+  double starts[kWidth], shrinks[kWidth];
   bool any = false;
   for (int i = 0; i < kWidth; ++i) {
     valid[i] = 0;
@@ -79,10 +84,11 @@ void Geometry::intersect(const Ray* rays, uint32_t active, Hit* hits) const {
       continue;
     valid[i] = -1;
     any = true;
+    starts[i] = ray.t_near, shrinks[i] = shrink;
     packet.ray.org_x[i] = origin.x, packet.ray.org_y[i] = origin.y, packet.ray.org_z[i] = origin.z;
     packet.ray.dir_x[i] = direction.x, packet.ray.dir_y[i] = direction.y, packet.ray.dir_z[i] = direction.z;
     packet.ray.tnear[i] = 0, packet.ray.tfar[i] = length;
-    packet.ray.time[i] = 0, packet.ray.mask[i] = ray.mask, packet.ray.id[i] = unsigned(i),
+    packet.ray.time[i] = float(ray.time), packet.ray.mask[i] = ray.mask, packet.ray.id[i] = unsigned(i),
     packet.ray.flags[i] = 0;
     packet.hit.geomID[i] = packet.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
   }
@@ -91,18 +97,37 @@ void Geometry::intersect(const Ray* rays, uint32_t active, Hit* hits) const {
   for (int i = 0; i < kWidth; ++i) {
     if (!valid[i] || packet.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
     const bool instanced = packet.hit.instID[0][i] != RTC_INVALID_GEOMETRY_ID;
-    hits[i] = {instanced ? packet.hit.instID[0][i] : packet.hit.geomID[i], packet.hit.primID[i]};
+    hits[i] = {instanced ? packet.hit.instID[0][i] : packet.hit.geomID[i], packet.hit.primID[i],
+               packet.hit.u[i], starts[i] + double(packet.ray.tfar[i]) * shrinks[i]};
   }
 }
+
+/// An instance's transforms at a time.
+struct Geometry::Moved {
+  Moved(const PlacedInstance& instance, double time)
+      : render_from_mesh(&instance.render_from_mesh), render_from_object(&instance.render_from_object) {
+    if (instance.object_motion.empty()) return;
+    render_from_mesh = &mesh.emplace(at_time(instance.mesh_motion, instance.render_from_mesh, time));
+    render_from_object = &object.emplace(at_time(instance.object_motion, instance.render_from_object, time));
+  }
+  Moved(const Moved&) = delete;
+  Moved& operator=(const Moved&) = delete;
+
+  const Affine *render_from_mesh, *render_from_object;
+  std::optional<Affine> mesh, object;
+};
 
 void Geometry::surface_point(const Ray& ray, const Hit& hit, SurfacePoint& s) const {
   const PlacedInstance& instance = instances_[hit.instance];
   const PlacedMesh& mesh = *meshes_[instance.mesh];
+  if (mesh.strands != StrandShape::kNone) return strand_point(ray, hit, s);
   const auto& corners = mesh.triangles[hit.triangle];
-  const Vec3d a(mesh.positions[corners[0]]), b(mesh.positions[corners[1]]), c(mesh.positions[corners[2]]);
+  const Vec3d a = mesh.position(corners[0], ray.time), b = mesh.position(corners[1], ray.time),
+              c = mesh.position(corners[2], ray.time);
   const Vec3d edge1 = b - a, edge2 = c - a;
 
-  const Affine& render_from_mesh = instance.render_from_mesh;
+  const Moved moved(instance, ray.time);
+  const Affine &render_from_mesh = *moved.render_from_mesh, &render_from_object = *moved.render_from_object;
   const Vec3d origin = instance.shared ? render_from_mesh.inverse_point(ray.origin) : ray.origin;
   const Vec3d direction = instance.shared ? render_from_mesh.inverse_vector(ray.direction) : ray.direction;
   const Barycentric h = intersect_plane(origin, direction, a, edge1, edge2);
@@ -120,10 +145,11 @@ void Geometry::surface_point(const Ray& ray, const Hit& hit, SurfacePoint& s) co
   s.geometric_normal = normalize(geometric) * instance.orientation;
   s.normal = s.geometric_normal;
   if (!mesh.corner_normals.empty()) {
-    const Vec3f* n = &mesh.corner_normals[3 * size_t(hit.triangle)];
-    Vec3d interpolated = Vec3d(n[0]) * (1 - h.u - h.v) + Vec3d(n[1]) * h.u + Vec3d(n[2]) * h.v;
-    if (instance.shared)
-      interpolated = instance.render_from_object.normal(interpolated) * instance.orientation;
+    const size_t n = 3 * size_t(hit.triangle);
+    Vec3d interpolated = mesh.corner_normal(n, ray.time) * (1 - h.u - h.v) +
+                         mesh.corner_normal(n + 1, ray.time) * h.u +
+                         mesh.corner_normal(n + 2, ray.time) * h.v;
+    if (instance.shared) interpolated = render_from_object.normal(interpolated) * instance.orientation;
     const Vec3d smooth = normalize(interpolated);
     if (is_finite(smooth) && dot(smooth, smooth) > 0) s.normal = smooth;
   }
@@ -131,7 +157,10 @@ void Geometry::surface_point(const Ray& ray, const Hit& hit, SurfacePoint& s) co
   s.place.attributes = &mesh.attributes;
   s.place.normalization = &normalization_;
   s.place.render_from_object = &instance.render_from_object;
-  s.place.render_from_mesh = &render_from_mesh;
+  s.place.render_from_mesh = &instance.render_from_mesh;
+  s.place.object_motion = &instance.object_motion;
+  s.place.mesh_motion = &instance.mesh_motion;
+  s.place.time = ray.time;
   s.place.edge1 = edge1;
   s.place.edge2 = edge2;
   s.place.triangle = hit.triangle;
@@ -148,6 +177,54 @@ void Geometry::surface_point(const Ray& ray, const Hit& hit, SurfacePoint& s) co
   const uint32_t slot = mesh.material_slots.empty() ? 0 : mesh.material_slots[hit.triangle];
   s.material = instance.materials[std::min<size_t>(slot, instance.materials.size() - 1)];
   s.receiver_set = instance.receiver_set;
+  s.time = ray.time;
+}
+
+/// A ribbon is shaded as the tube that it stands for, as Cycles does, and rays from it start on that tube:
+/// towards the light they meet no part of the strand itself.
+void Geometry::strand_point(const Ray& ray, const Hit& hit, SurfacePoint& s) const {
+  const PlacedInstance& instance = instances_[hit.instance];
+  const PlacedMesh& mesh = *meshes_[instance.mesh];
+  const Moved moved(instance, ray.time);
+  const Affine& render_from_mesh = *moved.render_from_mesh;
+  const Vec3d origin = instance.shared ? render_from_mesh.inverse_point(ray.origin) : ray.origin;
+  const Vec3d direction = instance.shared ? render_from_mesh.inverse_vector(ray.direction) : ray.direction;
+
+  const StrandPlace place = mesh.strand_place(hit.triangle, hit.u, ray.time);
+  const Vec3d across = origin + direction * hit.t - place.centre, to_viewer = normalize(-direction);
+  Vec3d normal = normalize(across);
+  if (mesh.strands == StrandShape::kRibbon) {
+    const Vec3d tangent = normalize(place.tangent);
+    const Vec3d front = normalize(to_viewer - tangent * dot(tangent, to_viewer)),
+                side = cross(tangent, front);
+    const double sine = place.radius > 0 ? std::clamp(dot(across, side) / place.radius, -1.0, 1.0) : 0.0;
+    normal = side * sine + front * std::sqrt(1 - sine * sine);
+  }
+  if (!(dot(normal, normal) > 0)) normal = to_viewer;
+
+  s.t = hit.t;
+  s.position = render_from_mesh.point(place.centre + normal * place.radius);
+  const double orientation = render_from_mesh.determinant() < 0 ? -1 : 1;
+  s.geometric_normal = instance.shared ? normalize(render_from_mesh.normal(normal)) * orientation : normal;
+  s.place.attributes = &mesh.attributes;
+  s.place.normalization = &normalization_;
+  s.place.render_from_object = &instance.render_from_object;
+  s.place.render_from_mesh = &instance.render_from_mesh;
+  s.place.object_motion = &instance.object_motion;
+  s.place.mesh_motion = &instance.mesh_motion;
+  s.place.time = ray.time;
+  s.place.edge1 = place.tangent;
+  s.place.edge2 = cross(place.tangent, normal);
+  s.place.triangle = hit.triangle;
+  s.place.u = s.place.v = 0;
+  s.place.backfacing = dot(s.geometric_normal, ray.direction) > 0;
+  if (s.place.backfacing) s.geometric_normal = -s.geometric_normal;
+  s.normal = s.geometric_normal;
+  const double radius = max_abs(render_from_mesh.vector(normal * place.radius));
+  s.rounding = kRelativeRounding * (max_abs(s.position) + instance.extent) + kStrandRounding * radius;
+  s.material = instance.materials.front();
+  s.receiver_set = instance.receiver_set;
+  s.time = ray.time;
 }
 
 uint32_t Geometry::triangles_of(uint32_t instance) const {

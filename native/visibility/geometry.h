@@ -20,12 +20,16 @@ struct Ray {
   Vec3d origin, direction;
   double t_near = 0, t_far = 0;
   RayMask mask = kCameraRay;  // its kind
+  double time = 0.5;          // of the shutter: 0 where it opens, 1 where it closes
 };
 
 /// Which triangle a ray meets first. Distance and position follow from surface_point().
 struct Hit {
   static constexpr uint32_t kNone = ~0u;
   uint32_t instance = kNone, triangle = kNone;
+  // Of strands: along the segment, and where Embree found it, in units of the ray's direction.
+  float u = 0;
+  double t = 0;
 
   bool found() const { return instance != kNone; }
 };
@@ -45,6 +49,8 @@ class Geometry {
   /// avoided (Debian 12's Embree 3.13.5 hangs in it).
   bool has_shared_meshes() const { return has_shared_meshes_; }
   bool has_transparency() const { return opacity_ != nullptr; }
+  /// Something is elsewhere at another time.
+  bool moves() const { return moves_; }
 
   /// First hits of up to 16 rays; bit i of `active` says whether ray i counts.
   void intersect(const Ray* rays, uint32_t active, Hit* hits) const;
@@ -81,12 +87,15 @@ class Geometry {
     std::vector<uint32_t> materials;
     uint32_t receiver_set;
     ObjectTraits traits;
+    std::vector<Affine> mesh_motion = {}, object_motion = {};  // of the two transforms
   };
 
   void clean(std::vector<Mesh>& meshes, const std::vector<uint32_t>& users);
   std::shared_ptr<const PlacedMesh> place_shared(Mesh& mesh, const Box& box, bool may_be_transparent) const;
   RTCGeometry make_instance(PlacedInstance& placed, const PlacedMesh& mesh, const Box& box) const;
   double transparency(const Ray& ray, const Hit& hit) const;
+  struct Moved;
+  void strand_point(const Ray& ray, const Hit& hit, SurfacePoint& s) const;
 
   std::shared_ptr<const Opacity> opacity_;
   Normalization normalization_;
@@ -95,7 +104,7 @@ class Geometry {
   std::vector<std::shared_ptr<const PlacedMesh>> meshes_;
   std::vector<PlacedInstance> instances_;
   embree::SceneHandle scene_;
-  bool has_shared_meshes_ = false;
+  bool has_shared_meshes_ = false, moves_ = false;
   uint64_t triangle_count_ = 0;
   std::vector<std::string> notes_;
 };

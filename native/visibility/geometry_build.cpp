@@ -46,10 +46,6 @@ struct LeftOut {
   }
 };
 
-}  // namespace
-
-namespace {
-
 std::shared_ptr<embree::CountedDevice> device_for(const std::vector<Mesh>& meshes, uint64_t memory_limit) {
   for (const Mesh& mesh : meshes) {
     if (!mesh.kept) continue;
@@ -74,10 +70,13 @@ Geometry::Geometry(std::vector<Mesh> meshes, std::vector<Instance> instances, ui
         if (opacity_->may_be_transparent(material)) may_be_transparent[instance.mesh] = true;
   Box world;
   std::vector<Box> mesh_boxes;
-  for (const Mesh& mesh : meshes)
-    mesh_boxes.push_back(mesh.kept ? mesh.kept->box() : bounds_of(mesh.positions));
-  for (const Instance& instance : instances)
+  for (const Mesh& mesh : meshes) mesh_boxes.push_back(mesh.kept ? mesh.kept->box() : bounds_of(mesh));
+  std::vector<bool> moves(meshes.size(), false);
+  for (const Instance& instance : instances) {
     world.include(transformed(mesh_boxes[instance.mesh], instance.world_from_object));
+    for (const Affine& pose : instance.motion) world.include(transformed(mesh_boxes[instance.mesh], pose));
+    if (!instance.motion.empty()) moves[instance.mesh] = true;
+  }
   if (!world.empty()) normalization_ = {world.centre(), unit_scale(world)};
   if (!is_finite(normalization_.centre) || !std::isfinite(normalization_.scale) || normalization_.scale == 0)
     throw std::invalid_argument("the scene's extent is not finite");
@@ -86,7 +85,8 @@ Geometry::Geometry(std::vector<Mesh> meshes, std::vector<Instance> instances, ui
   rtcSetSceneFlags(scene_.get(), RTC_SCENE_FLAG_ROBUST);
   meshes_.resize(meshes.size());
   for (size_t i = 0; i < meshes.size(); ++i)
-    if (users[i] > 1 || (users[i] && meshes[i].kept))  // others are placed with their one instance below
+    if (users[i] > 1 ||
+        (users[i] && (meshes[i].kept || moves[i])))  // others are placed with their one instance below
       meshes_[i] = place_shared(meshes[i], mesh_boxes[i], may_be_transparent[i]);
 
   LeftOut flat;
@@ -102,6 +102,8 @@ Geometry::Geometry(std::vector<Mesh> meshes, std::vector<Instance> instances, ui
                           .materials = std::move(instance.materials),
                           .receiver_set = instance.receiver_set,
                           .traits = instance.traits};
+    for (const Affine& pose : subdivided(instance.motion))
+      placed.object_motion.push_back(normalization_.transform(pose));
     has_shared_meshes_ = has_shared_meshes_ || placed.shared;
     const double determinant = placed.render_from_object.determinant();
     placed.orientation = determinant < 0 ? -1 : 1;
@@ -113,20 +115,24 @@ Geometry::Geometry(std::vector<Mesh> meshes, std::vector<Instance> instances, ui
       Mesh& source = meshes[instance.mesh];
       auto mesh = std::make_shared<PlacedMesh>();
       mesh->may_be_transparent = may_be_transparent[instance.mesh];
+      mesh->take_positions(source, placed.render_from_object);
       mesh->take(source);
-      if (has_volume && !mesh->triangles.empty()) {
-        mesh->positions = rounded(source.positions, placed.render_from_object);
+      if (has_volume && mesh->primitives()) {
         // As Cycles does: a mesh used once is interpolated where it is placed, a shared one in its own space.
         // Under a stretching transform the two differ a little; neither is more right.
-        for (Vec3f& n : mesh->corner_normals)
-          n = Vec3f(normalize(placed.render_from_object.normal(Vec3d(n))) * placed.orientation);
-        geometry = mesh->make_triangles(device_->device.get());
+        const auto place = [&](std::vector<Vec3f>& normals) {
+          for (Vec3f& n : normals)
+            n = Vec3f(normalize(placed.render_from_object.normal(Vec3d(n))) * placed.orientation);
+        };
+        place(mesh->corner_normals);
+        for (std::vector<Vec3f>& normals : mesh->normal_motion) place(normals);
+        geometry = mesh->make_geometry(device_->device.get());
       }
       meshes_[instance.mesh] = std::move(mesh);
     }
     const PlacedMesh& mesh = *meshes_[instance.mesh];
-    if (placed.shared && has_volume && !mesh.triangles.empty()) geometry = make_instance(placed, mesh, box);
-    if (!geometry && !mesh.triangles.empty()) flat.add(1, placed.name);
+    if (placed.shared && has_volume && mesh.primitives()) geometry = make_instance(placed, mesh, box);
+    if (!geometry && mesh.primitives()) flat.add(1, placed.name);
     if (geometry) {
       rtcSetGeometryMask(geometry, instance.rays);
       rtcCommitGeometry(geometry);
@@ -134,7 +140,9 @@ Geometry::Geometry(std::vector<Mesh> meshes, std::vector<Instance> instances, ui
       rtcReleaseGeometry(geometry);
       device_->check_build(placed.name);
       bounds_.include(transformed(box, placed.render_from_object));
-      triangle_count_ += mesh.triangles.size();
+      for (const Affine& pose : placed.object_motion) bounds_.include(transformed(box, pose));
+      moves_ = moves_ || !placed.object_motion.empty() || mesh.deforms();
+      triangle_count_ += mesh.primitives();
     }
     instances_.push_back(std::move(placed));
   }
@@ -151,17 +159,19 @@ std::shared_ptr<const PlacedMesh> Geometry::place_shared(Mesh& mesh, const Box& 
   if (mesh.kept) return mesh.kept->placed(may_be_transparent);
   auto made = std::make_shared<PlacedMesh>();
   made->may_be_transparent = may_be_transparent;
+  made->take_positions(mesh, unit_from_object(box));
   made->take(mesh);
-  made->take_unit_positions(mesh.positions, box);
   made->build(*device_, mesh.name);
   return made;
 }
 
 /// Takes out what no ray needs, and notes it.
 void Geometry::clean(std::vector<Mesh>& meshes, const std::vector<uint32_t>& users) {
-  LeftOut without_area, copies;
+  LeftOut without_area, copies, strands;
   for (size_t i = 0; i < meshes.size(); ++i) {
     if (!users[i]) continue;
+    strands.add(meshes[i].useless_strands, meshes[i].name);
+    if (!meshes[i].motion.empty() || meshes[i].strands != StrandShape::kNone) continue;
     const UselessTriangles found =
         meshes[i].kept ? meshes[i].kept->left_out() : remove_useless_triangles(meshes[i]);
     without_area.add(found.without_area, meshes[i].name);
@@ -169,22 +179,33 @@ void Geometry::clean(std::vector<Mesh>& meshes, const std::vector<uint32_t>& use
   }
   without_area.tell("triangles without area were", notes_);
   copies.tell("triangles that are copies of others were", notes_);
+  strands.tell("strands or points without extent were", notes_);
 }
 
 /// None if the transform has no usable inverse.
 RTCGeometry Geometry::make_instance(PlacedInstance& placed, const PlacedMesh& mesh, const Box& box) const {
   const double scale = unit_scale(box);
-  placed.render_from_mesh = placed.render_from_object *
-                            Affine{{1 / scale, 0, 0}, {0, 1 / scale, 0}, {0, 0, 1 / scale}, box.centre()};
+  const Affine object_from_mesh{{1 / scale, 0, 0}, {0, 1 / scale, 0}, {0, 0, 1 / scale}, box.centre()};
+  placed.render_from_mesh = placed.render_from_object * object_from_mesh;
   if (!has_usable_inverse(placed.render_from_mesh)) return nullptr;
   placed.extent = max_abs(transformed(box, placed.render_from_object).extent());
+  for (const Affine& pose : placed.object_motion) {
+    placed.mesh_motion.push_back(pose * object_from_mesh);
+    if (!has_usable_inverse(placed.mesh_motion.back())) return nullptr;
+    placed.extent = std::max(placed.extent, max_abs(transformed(box, pose).extent()));
+  }
   RTCGeometry geometry = rtcNewGeometry(device_->device.get(), RTC_GEOMETRY_TYPE_INSTANCE);
   rtcSetGeometryInstancedScene(geometry, mesh.scene.get());
-  const Affine& t = placed.render_from_mesh;
-  const float columns[12] = {float(t.x_axis.x), float(t.x_axis.y), float(t.x_axis.z), float(t.y_axis.x),
-                             float(t.y_axis.y), float(t.y_axis.z), float(t.z_axis.x), float(t.z_axis.y),
-                             float(t.z_axis.z), float(t.origin.x), float(t.origin.y), float(t.origin.z)};
-  rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns);
+  const std::vector<Affine> still{placed.render_from_mesh};
+  const std::vector<Affine>& poses = placed.mesh_motion.empty() ? still : placed.mesh_motion;
+  if (poses.size() > 1) rtcSetGeometryTimeStepCount(geometry, unsigned(poses.size()));
+  for (size_t i = 0; i < poses.size(); ++i) {
+    const Affine& t = poses[i];
+    const float columns[12] = {float(t.x_axis.x), float(t.x_axis.y), float(t.x_axis.z), float(t.y_axis.x),
+                               float(t.y_axis.y), float(t.y_axis.z), float(t.z_axis.x), float(t.z_axis.y),
+                               float(t.z_axis.z), float(t.origin.x), float(t.origin.y), float(t.origin.z)};
+    rtcSetGeometryTransform(geometry, unsigned(i), RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns);
+  }
   return geometry;
 }
 

@@ -13,10 +13,24 @@
 
 namespace penumbra {
 
+/// A key of a strand, or a sphere: what Embree reads.
+struct Key {
+  float x, y, z, radius;
+};
+
+struct StrandPlace {
+  Vec3d centre, tangent;  // on the strand's axis
+  double radius;
+};
+
 /// Positions in render space for a mesh used once, else in a unit-size space of its own. Embree keeps
 /// pointers into it: it never moves.
 struct PlacedMesh {
   std::vector<Vec3f> positions;  // one more than there are vertices: Embree reads 16 bytes at a time
+  std::vector<std::vector<Vec3f>> position_motion, normal_motion;  // see Mesh::motion
+  StrandShape strands = StrandShape::kNone;
+  std::vector<std::vector<Key>> keys;  // of strands in place of positions: at each time, or once
+  std::vector<uint32_t> segments;
   std::vector<std::array<uint32_t, 3>> triangles;
   std::vector<Vec3f> corner_normals;  // in render space and unit for a mesh used once, else the object's
   std::vector<uint32_t> material_slots;
@@ -28,23 +42,42 @@ struct PlacedMesh {
   PlacedMesh(const PlacedMesh&) = delete;
   PlacedMesh& operator=(const PlacedMesh&) = delete;
 
+  size_t primitives() const;
+  bool deforms() const { return !position_motion.empty() || keys.size() > 1; }
+  Vec3d position(uint32_t vertex, double time) const {
+    return position_motion.empty() ? Vec3d(positions[vertex]) : moving(position_motion, vertex, time);
+  }
+  Vec3d corner_normal(size_t corner, double time) const {
+    return normal_motion.empty() ? Vec3d(corner_normals[corner]) : moving(normal_motion, corner, time);
+  }
+  /// Of a strand's segment at u in 0 ... 1, or of a sphere.
+  StrandPlace strand_place(uint32_t primitive, double u, double time) const;
+
   /// Takes all of a mesh but its positions.
   void take(Mesh& mesh);
-  /// Takes the positions of a mesh that is to be placed by instances: unit_from_object of its box, rounded.
-  void take_unit_positions(const std::vector<Vec3d>& positions, const Box& box);
-  /// An Embree geometry of its triangles, committed; the caller's to release.
-  RTCGeometry make_triangles(RTCDevice device) const;
+  /// Takes its positions, at all times, transformed and rounded.
+  void take_positions(const Mesh& mesh, const Affine& placed_from_object);
+  /// An Embree geometry of its triangles or strands, committed; the caller's to release.
+  RTCGeometry make_geometry(RTCDevice device) const;
   /// Builds its own BVH. Throws as CountedDevice::check_build, and has none then.
   void build(embree::CountedDevice& device, const std::string& name);
+
+ private:
+  static Vec3d moving(const std::vector<std::vector<Vec3f>>& motion, size_t i, double time) {
+    const TimeSegment at(time, motion.size());
+    return mixed(Vec3d(motion[at.first][i]), Vec3d(motion[at.first + 1][i]), at.share);
+  }
+  void set_vertices(RTCGeometry geometry) const;
 };
 
-Box bounds_of(const std::vector<Vec3d>& positions);
+/// Of a mesh at all times.
+Box bounds_of(const Mesh& mesh);
+
+/// unit_from_object of a mesh that is placed by instances, by its box.
+Affine unit_from_object(const Box& box);
 
 /// The power of two that brings a box's largest half extent into (1/2, 1]; 1 for a point or nothing.
 double unit_scale(const Box& box);
-
-/// Rounded to single precision, with one vertex more as padding.
-std::vector<Vec3f> rounded(const std::vector<Vec3d>& positions, const Affine& transform);
 
 /// A mesh with a BVH of its own, built when a scene first needs it and shared by all that have the mesh, one
 /// after the other or at the same time.

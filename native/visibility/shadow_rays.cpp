@@ -35,7 +35,7 @@ uint32_t fill(const ShadowOrigin& origin, RayMask mask, const float* x, const fl
     packet.dir_x[i] *= shrink, packet.dir_y[i] *= shrink, packet.dir_z[i] *= shrink;
     packet.tnear[i] = 0.0f;
     packet.tfar[i] = kReach / shrink;
-    packet.time[i] = 0.0f;
+    packet.time[i] = o.time;
     packet.mask[i] = mask;
     valid[i] = contribution[i] > 0 ? -1 : 0;
     count -= valid[i];
@@ -75,7 +75,7 @@ ShadowSide side(const SurfacePoint& surface, double sign) {
 
 ShadowRays::ShadowRays(const Geometry& geometry, const SurfacePoint& surface, RayMask mask)
     : geometry_(geometry),
-      origin_{Vec3f(surface.geometric_normal), side(surface, 1), side(surface, -1)},
+      origin_{Vec3f(surface.geometric_normal), side(surface, 1), side(surface, -1), float(surface.time)},
       mask_(mask),
       usable_(is_finite(origin_.front.origin) && is_finite(origin_.back.origin)) {}
 
@@ -103,7 +103,8 @@ void ShadowQueue::add(const SurfacePoint& surface, const Vec3f& to_light, RayMas
   const uint32_t i = count_++;
   packet_.org_x[i] = start.origin.x, packet_.org_y[i] = start.origin.y, packet_.org_z[i] = start.origin.z;
   packet_.dir_x[i] = direction.x, packet_.dir_y[i] = direction.y, packet_.dir_z[i] = direction.z;
-  packet_.tnear[i] = 0, packet_.tfar[i] = kReach / shrink, packet_.time[i] = 0, packet_.mask[i] = mask;
+  packet_.tnear[i] = 0, packet_.tfar[i] = kReach / shrink, packet_.time[i] = float(surface.time),
+  packet_.mask[i] = mask;
   valid_[i] = -1;
   results_[i] = &visible;
   if (count_ == kPacket) flush();

@@ -17,6 +17,7 @@ struct ShadowSide {
 struct ShadowOrigin {
   Vec3f geometric_normal;
   ShadowSide front, back;
+  float time;
 };
 
 /// Shadow rays from one shading point, of a kind.

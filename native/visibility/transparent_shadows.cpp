@@ -19,10 +19,15 @@ void Geometry::filter_shadow_rays(const RTCFilterFunctionNArguments* arguments) 
   for (unsigned i = 0; i < n; ++i) {
     if (!arguments->valid[i]) continue;
     const Ray ray{{RTCRayN_org_x(rays, n, i), RTCRayN_org_y(rays, n, i), RTCRayN_org_z(rays, n, i)},
-                  {RTCRayN_dir_x(rays, n, i), RTCRayN_dir_y(rays, n, i), RTCRayN_dir_z(rays, n, i)}};
+                  {RTCRayN_dir_x(rays, n, i), RTCRayN_dir_y(rays, n, i), RTCRayN_dir_z(rays, n, i)},
+                  0,
+                  0,
+                  kShadowRay,
+                  double(RTCRayN_time(rays, n, i))};
     const unsigned instance = RTCHitN_instID(arguments->hit, n, i, 0);
     const Hit hit{instance != RTC_INVALID_GEOMETRY_ID ? instance : RTCHitN_geomID(arguments->hit, n, i),
-                  RTCHitN_primID(arguments->hit, n, i)};
+                  RTCHitN_primID(arguments->hit, n, i), RTCHitN_u(arguments->hit, n, i),
+                  double(RTCRayN_tfar(rays, n, i))};
     float& left = transmittance[RTCRayN_id(rays, n, i)];
     left *= float(geometry.transparency(ray, hit));
     if (left > 0) arguments->valid[i] = 0;  // goes on

@@ -168,7 +168,7 @@ void read_camera(Bytes& in, Scene& scene) {
   camera.kind = in.flag() ? CameraKind::kPerspective : CameraKind::kOrthographic;
   camera.world_from_camera.origin = {0, 0, 4};
   if (in.below(4) == 0) camera.world_from_camera = in.transform();
-  if (in.below(8) == 0) camera.left = in.number(), camera.top = in.number();
+  if (in.below(8) == 0) camera.window.left = in.number(), camera.window.top = in.number();
   camera.clip_start = in.share(), camera.clip_end = 100 + in.number();
   scene.set_camera(camera);
 }

@@ -31,7 +31,7 @@ std::shared_ptr<const Scene> make_scene(std::shared_ptr<const Geometry>& geometr
   Camera camera;
   camera.kind = CameraKind::kOrthographic;
   camera.world_from_camera.origin = {0, 0, 10};
-  camera.left = camera.bottom = -2, camera.right = camera.top = 2;
+  camera.window = {-2, 2, -2, 2};
   scene->set_camera(camera);
   auto [meshes, instances] = scene->release_geometry();
   geometry = std::make_shared<Geometry>(std::move(meshes), std::move(instances));

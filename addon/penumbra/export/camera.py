@@ -42,7 +42,29 @@ def window_of(projection: np.ndarray, kind: str) -> tuple[float, float, float, f
     return left, right, bottom, top
 
 
-def export(native_scene, depsgraph, camera_object, notes: Notes) -> None:
+def pose_of(camera, depsgraph) -> tuple[np.ndarray, tuple[float, float, float, float]]:
+    """(world_from_camera, window) of an evaluated camera; ExportError naming it where there is nothing to see."""
+    scene, name = depsgraph.scene_eval, f"camera {camera.name!r}"
+    width, height = frame_size(scene)
+    projection = camera.calc_matrix_camera(
+        depsgraph, x=width, y=height, scale_x=scene.render.pixel_aspect_x, scale_y=scene.render.pixel_aspect_y
+    )
+    world_from_camera = np.array(camera.matrix_world, dtype=np.float64)
+    lengths = np.linalg.norm(world_from_camera[:3, :3], axis=0)
+    if not np.isfinite(world_from_camera).all():
+        raise ExportError(f"{name}: its position or rotation is not a finite number")
+    if not lengths.all():
+        raise ExportError(f"{name}: its scale is zero")
+    world_from_camera[:3, :3] /= lengths
+    with np.errstate(all="ignore"):
+        window = window_of(np.array(projection, dtype=np.float64), KINDS.get(camera.data.type, "PERSPECTIVE"))
+    left, right, bottom, top = window
+    if not (np.isfinite(window).all() and left < right and bottom < top):
+        raise ExportError(f"{name}: its field of view, scale or shift leaves nothing to see")
+    return world_from_camera, window
+
+
+def export(native_scene, depsgraph, camera_object, notes: Notes, motion=None) -> None:
     """Sets the native scene's camera; ExportError naming the camera if it cannot be rendered with."""
     scene = depsgraph.scene_eval
     camera = camera_object or scene.camera
@@ -56,31 +78,16 @@ def export(native_scene, depsgraph, camera_object, notes: Notes) -> None:
     data = camera.data
     if data.type not in KINDS:
         raise ExportError(f"{name}: {data.type.lower()} cameras are not supported, only perspective and orthographic")
-    if scene.render.use_motion_blur:
-        notes.add(f"scene {scene.name!r}: motion blur is not supported yet and was left out")
-
-    width, height = frame_size(scene)
-    projection = camera.calc_matrix_camera(
-        depsgraph, x=width, y=height, scale_x=scene.render.pixel_aspect_x, scale_y=scene.render.pixel_aspect_y
-    )
-    world_from_camera = np.array(camera.matrix_world, dtype=np.float64)
-    lengths = np.linalg.norm(world_from_camera[:3, :3], axis=0)
-    if not np.isfinite(world_from_camera).all():
-        raise ExportError(f"{name}: its position or rotation is not a finite number")
-    if not lengths.all():
-        raise ExportError(f"{name}: its scale is zero")
-    world_from_camera[:3, :3] /= lengths
-
+    world_from_camera, window = pose_of(camera, depsgraph)
     clip = data.clip_start, data.clip_end
     if not 0 <= clip[0] < clip[1]:
         raise ExportError(f"{name}: clip start {clip[0]:g} m is not below clip end {clip[1]:g} m")
-    with np.errstate(all="ignore"):
-        window = window_of(np.array(projection, dtype=np.float64), KINDS[data.type])
-    left, right, bottom, top = window
-    if not (np.isfinite(window).all() and left < right and bottom < top):
-        raise ExportError(f"{name}: its field of view, scale or shift leaves nothing to see")
     aperture = aperture_of(camera)
     if aperture and scene.penumbra.pixel_samples == 1:
         notes.add(f"{name}: with one ray a pixel (pixel_samples 1) there is no depth of field: it is a pinhole")
         aperture = None
-    native_scene.set_camera(KINDS[data.type], world_from_camera, window, clip, aperture)
+    moved = {}
+    if motion:
+        poses, windows = zip(*motion.camera, strict=True) if motion.camera else ((), ())
+        moved = {"motion": list(poses), "window_motion": list(windows), "shutter": motion.shutter}
+    native_scene.set_camera(KINDS[data.type], world_from_camera, window, clip, aperture, **moved)

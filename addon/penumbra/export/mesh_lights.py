@@ -17,17 +17,19 @@ class MeshLights:
         self._module, self._scene, self._materials, self._linking = native_module, native_scene, materials, linking
         self._arrays: dict[int, MeshArrays] = {}
 
+    def shines(self, instance) -> bool:
+        """Whether an entry of depsgraph.object_instances whose object is a mesh gives light."""
+        return any(e is None or any(e) for e in self._materials.emission_of_slots(instance.object))
+
     def add(self, instance, number: int | None) -> None:
         """Adds one entry of depsgraph.object_instances whose object is a mesh, and whose native instance is `number`.
 
         A luminaire for each constant radiance; what varies over the surface is looked up by the native renderer.
         """
-        if number is None:
+        if number is None or not self.shines(instance):
             return
         evaluated_object = instance.object
         emissions = self._materials.emission_of_slots(evaluated_object)
-        if not any(e is None or any(e) for e in emissions):
-            return
         role = role_of(self._module, evaluated_object, self._linking)
         if not (role.diffuse or role.glossy):
             return

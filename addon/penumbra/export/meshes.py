@@ -47,8 +47,6 @@ def read_mesh(mesh) -> MeshArrays:
 def unsupported(evaluated_object) -> list[str]:
     """What an object asks for that Penumbra leaves out."""
     found = ["shadow catcher"] if getattr(evaluated_object, "is_shadow_catcher", False) else []
-    if any(s.settings.type == "HAIR" and s.settings.render_type == "PATH" for s in evaluated_object.particle_systems):
-        found.append("particle hair")
     return found
 
 
@@ -62,7 +60,7 @@ class Meshes:
         self._mesh_ids: dict[tuple[int, frozenset[int]], int | None] = {}
         self._slots: dict[tuple[int, int], list[Exported]] = {}
 
-    def add(self, instance, matrix: np.ndarray) -> int | None:
+    def add(self, instance, matrix: np.ndarray, motion=None) -> int | None:
         """Adds one entry of depsgraph.object_instances whose object is a mesh, placed by a (4, 4) matrix.
 
         Returns the native instance's number, None if there is nothing of it.
@@ -80,17 +78,27 @@ class Meshes:
         slots = self._slots[slots_key]
         mesh_key = slots_key[0], self._materials.attributes_of_all.union(*(slot.attributes for slot in slots))
         if mesh_key not in self._mesh_ids:
-            self._mesh_ids[mesh_key] = self._export(evaluated_object, mesh_key)
+            self._mesh_ids[mesh_key] = self._export(instance, mesh_key, motion)
         mesh_id = self._mesh_ids[mesh_key]
         if mesh_id is None:
             return None
         return self._scene.add_instance(evaluated_object.name, mesh_id, matrix, [slot.number for slot in slots],
                                  rays=rays_of(self._module, instance, self._linking),
-                                 receiver_set=self._linking.receiver_set(instance))  # fmt: skip
+                                 receiver_set=self._linking.receiver_set(instance),
+                                 **({"motion": motion.matrices(instance)} if motion else {}))  # fmt: skip
 
-    def _export(self, evaluated_object, key: tuple[int, frozenset[int]]) -> int | None:
+    def _export(self, instance, key: tuple[int, frozenset[int]], motion) -> int | None:
         """The native id of an object's mesh with the attributes of a key, None if it has no triangles."""
+        evaluated_object = instance.object
         name = evaluated_object.name
+        if motion and motion.may_deform(instance):
+            arrays = self._read(evaluated_object, key[1])
+            if arrays is None:
+                return None
+            shapes = motion.shapes(instance, MeshArrays(*arrays[1:5]))
+            normals = [shape.corner_normals for shape in shapes if shape.corner_normals is not None]
+            return self._scene.add_mesh(*arrays, position_motion=[shape.positions for shape in shapes],
+                                        normal_motion=normals)  # fmt: skip
         if self._kept is None:
             arrays = self._read(evaluated_object, key[1])
             return self._scene.add_mesh(*arrays) if arrays else None

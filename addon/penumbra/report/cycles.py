@@ -45,8 +45,8 @@ def set_up(scene, changes: Changes, own: dict, has_mirrors: bool) -> None:
     for name, value in cycles.items():
         changes.set(scene.cycles, name, value)
     changes.keep(scene.cycles, "samples", "seed")
-    changes.set(scene.render, "use_motion_blur", False)
     if own["pixel_samples"] == 1:
+        changes.set(scene.render, "use_motion_blur", False)
         changes.set(scene.camera.data.dof, "use_dof", False)
     for scene_object in bpy.data.objects:
         for owner in (scene_object, getattr(scene_object, "cycles", None)):
