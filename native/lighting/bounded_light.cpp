@@ -97,6 +97,7 @@ class BlockLight {
 };
 
 void BlockLight::find_items() {
+  items_.reserve(points_.size());
   for (uint32_t l = 0; l < luminaires_.size(); ++l) {
     const Luminaire& luminaire = luminaires_[l];
     for (uint32_t p = 0; p < points_.size(); ++p) {

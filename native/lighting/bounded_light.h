@@ -23,7 +23,7 @@ class BoundedLight final : public Lighting {
   BoundedLight(const Geometry& geometry, const Sampler& sampler, const BoundedSettings& settings)
       : geometry_(geometry), sampler_(sampler), settings_(settings) {}
 
-  uint32_t block_side() const override { return 64; }
+  uint32_t block_side() const override { return 128; }
   /// The gate's reach and the flood's.
   uint32_t halo() const override;
   void light(const Block& block, std::span<const Luminaire> luminaires, const std::vector<LitPoint>& points,

@@ -84,7 +84,7 @@ class Lighting {
  public:
   virtual ~Lighting() = default;
 
-  /// Side of the blocks it wants, a multiple of kTile, and the pixels beyond that it looks at.
+  /// Side of the largest blocks it wants, a multiple of kTile, and the pixels beyond that it looks at.
   virtual uint32_t block_side() const = 0;
   virtual uint32_t halo() const = 0;
 

@@ -25,6 +25,7 @@ class BlockRenderer {
         area_(with_halo(core, context.lighting.halo(), context.settings)),
         block_(block_of(core, area_, context.settings)) {
     pixels_.resize(block_.pixels());
+    points_.reserve(block_.pixels());
     if (c_.extras.want_parts()) parts_.emplace(block_.pixels(), c_.extras.light_groups());
     if (c_.extras.want_mattes()) mattes_.resize(block_.pixels());
     if (c_.extras.any()) seen_.resize(block_.pixels());

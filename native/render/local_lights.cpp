@@ -13,7 +13,7 @@ namespace {
 constexpr uint32_t kStep = kTile;
 
 std::vector<LitPoint> probe(const RenderContext& c, const Rectangle& block) {
-  const uint32_t side = c.lighting.block_side(), left = block.x / side * side, bottom = block.y / side * side;
+  const uint32_t side = kLocalSide, left = block.x / side * side, bottom = block.y / side * side;
   const uint32_t right = std::min(left + side, c.settings.width),
                  top = std::min(bottom + side, c.settings.height);
   std::vector<Ray> rays;

@@ -7,6 +7,9 @@
 
 namespace penumbra {
 
+/// Side in pixels of the squares of the frame that share their luminaires: a multiple of kTile.
+inline constexpr uint32_t kLocalSide = 64;
+
 class LocalLights {
  public:
   /// What a grid of pixels sees decides; it covers the block's bucket of the frame, whatever part of it is

@@ -23,6 +23,12 @@
 namespace penumbra {
 namespace {
 
+/// Side in pixels of a bucket, a multiple of kTile, in pictures of at least so many large ones.
+constexpr uint32_t kBucket = 64, kLargeBucket = 128, kLargeBuckets = 16;
+
+/// Large blocks are worth it where each thread gets so many, for so many luminaires.
+constexpr uint32_t kBlocksPerThread = 4, kLuminairesOfLargeBlocks = 4;
+
 double now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
@@ -110,17 +116,36 @@ Renderer::~Renderer() {
     if (thread.joinable()) thread.join();
 }
 
+uint32_t Renderer::thread_count() const {
+  return settings_.threads ? settings_.threads : std::max(1u, std::thread::hardware_concurrency());
+}
+
+/// By the picture alone, so that a checkpoint does not depend on the threads.
+uint32_t Renderer::bucket_side() const {
+  const uint64_t pixels = uint64_t(settings_.region.width) * settings_.region.height;
+  return pixels < uint64_t{kLargeBuckets} * kLargeBucket * kLargeBucket ? kBucket : kLargeBucket;
+}
+
+/// Large blocks have little halo for their size; small ones give each thread several, and keep what each
+/// pixel remembers of each luminaire near. No pixel depends on it.
+uint32_t Renderer::block_side() const {
+  const uint32_t side = std::min(lighting_->block_side(), bucket_side());
+  const uint64_t pixels = uint64_t(settings_.region.width) * settings_.region.height;
+  const bool few = pixels < uint64_t{kBlocksPerThread} * thread_count() * side * side;
+  return few || luminaires_.size() > kLuminairesOfLargeBlocks ? std::min(side, kLocalSide) : side;
+}
+
 void Renderer::make_buckets() {
   const Rectangle& region = settings_.region;
   const uint32_t right = region.x + region.width, top = region.y + region.height;
-  for (uint32_t y = region.y / kBucket * kBucket; y < top; y += kBucket) {
-    for (uint32_t x = region.x / kBucket * kBucket; x < right; x += kBucket) {
+  // Where neighbours matter, blocks are whole tiles of the frame, so that a border does not move them.
+  const uint32_t size = bucket_side(), side = block_side(), align = lighting_->halo() ? kTile : 1;
+  for (uint32_t y = region.y / size * size; y < top; y += size) {
+    for (uint32_t x = region.x / size * size; x < right; x += size) {
       auto bucket = std::make_unique<Bucket>();
       const uint32_t x0 = std::max(x, region.x), y0 = std::max(y, region.y);
-      const uint32_t x1 = std::min(x + kBucket, right), y1 = std::min(y + kBucket, top);
+      const uint32_t x1 = std::min(x + size, right), y1 = std::min(y + size, top);
       bucket->area = {x0, y0, x1 - x0, y1 - y0};
-      // Where neighbours matter, blocks are whole tiles of the frame, so that a border does not move them.
-      const uint32_t align = lighting_->halo() ? kTile : 1, side = lighting_->block_side();
       const auto down = [align](uint32_t v) { return v / align * align; };
       const uint32_t left = down(x0), bottom = down(y0), right_end = down(x1 + align - 1),
                      top_end = down(y1 + align - 1);
@@ -161,8 +186,7 @@ void Renderer::restore_buckets() {
 void Renderer::start() {
   const std::lock_guard lock(mutex_);
   if (started_) return;
-  uint32_t count = settings_.threads ? settings_.threads : std::max(1u, std::thread::hardware_concurrency());
-  count = uint32_t(std::min<size_t>(count, work_.size()));
+  const uint32_t count = uint32_t(std::min<size_t>(thread_count(), work_.size()));
   install_crash_note();
   const double begin = now();
   for (uint32_t i = 0; i < count; ++i) {

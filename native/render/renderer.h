@@ -25,9 +25,6 @@ struct RenderStatistics {
 /// Threads take blocks from one atomic counter. Results do not depend on who renders what, or when.
 class Renderer {
  public:
-  /// Side in pixels of a bucket, the unit in which finished pixels are reported; a multiple of kTile.
-  static constexpr uint32_t kBucket = 64;
-
   /// Throws std::invalid_argument for settings that are out of range or do not fit together, or for another
   /// render's checkpoint; std::bad_alloc where memory_limit is too small for the film. The scene must not be
   /// changed before the render ends.
@@ -59,6 +56,7 @@ class Renderer {
   const RenderStatistics& statistics() const { return statistics_; }
 
  private:
+  /// The unit in which finished pixels are reported and kept.
   struct Bucket {
     Rectangle area;                 // full frame, clipped to the region
     std::vector<Rectangle> blocks;  // full frame, whole tiles
@@ -66,6 +64,9 @@ class Renderer {
     RenderTally tally;
   };
 
+  uint32_t thread_count() const;
+  uint32_t bucket_side() const;
+  uint32_t block_side() const;
   void make_buckets();
   void restore_buckets();
   RenderContext context();

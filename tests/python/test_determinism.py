@@ -117,6 +117,19 @@ def test_antialiased(filter_type, rule):
         assert (np.concatenate([left.passes[name], right.passes[name]], axis=1) == whole.passes[name]).all(), name
 
 
+@pytest.mark.parametrize("pixel_samples", [1, 2])
+def test_large_pictures(pixel_samples):
+    """From 512 x 512 pixels on blocks are larger for one thread than for six, and for what a border leaves."""
+    chosen = {**settings("BOUNDED", "OWEN_SOBOL", "SCRAMBLED"), "error_tolerance": 0.1, "pixel_samples": pixel_samples}
+    whole = render(build(), 531, 519, threads=1, **chosen)
+    other = render(build(), 531, 519, threads=6, **chosen)
+    assert bits(other) == bits(whole)
+    assert other.statistics["primary_rays"] > whole.statistics["primary_rays"], "the blocks were the same"
+    part = render(build(), 531, 519, region=(101, 77, 150, 130), **chosen)
+    for name in ALL_PASSES:
+        assert (part.passes[name] == whole.passes[name][77:207, 101:251]).all(), name
+
+
 def test_single_pixels():
     """Borders of one pixel each, in the corners and inside."""
     chosen = settings("FIXED", "OWEN_SOBOL", "SCRAMBLED")
