@@ -16,6 +16,9 @@ SPOT_HAS_COSINE = bpy.app.version < (4, 0, 0)
 SPOT_IGNORES_SCALE = bpy.app.version < (4, 0, 0)
 """Since Blender 4.0 the object's scale widens a spot's cone."""
 
+ORTHOGRAPHIC_LENS_AT_CLIP_START = bpy.app.version < (4, 0, 0)
+"""The lens of an orthographic camera is in the plane of its clip start, later in the camera's own."""
+
 SUN_IS_FLAT = bpy.app.version < (4, 0, 0)
 """Before Blender 4.0 the sun is a flat disk with the whole strength, since then a cap that shines as strong on a
 surface that faces it."""
@@ -31,6 +34,9 @@ ROUGH_DIFFUSE_KEEPS_ENERGY = bpy.app.version >= (4, 3, 0)
 
 NORMAL_MAP_BENDS_COLOUR = bpy.app.version >= (4, 3, 0)
 """The strength of a normal map in tangent space acts on the colour (seen in 4.3.2), before that on the normal."""
+
+DIFFUSE_NORMALS_REFLECT = bpy.app.version < (4, 3, 0)
+"""Every bumped normal is bent until the viewer's mirror direction leaves the surface; later for glossy shaders only."""
 
 RAMP_TABLE_SIZE = 257 if bpy.app.version >= (4, 0, 0) else 256
 """Places at which Cycles evaluates ramps and curves (measured in 3.4.1, 4.3.2 and 5.2.2)."""

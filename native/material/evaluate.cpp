@@ -97,21 +97,6 @@ std::pair<Vec3d, Vec3d> plane_axes(const Vec3d& normal) {
 
 }  // namespace
 
-Vec3f with_valid_reflection(const Machine& m, const Vec3f& bumped) {
-  const float least = std::min(0.9f * dot(m.geometric_normal, m.incoming), 0.01f);
-  const auto leaves = [&](const Vec3f& n) {
-    return -dot(reflect(m.incoming, n), m.geometric_normal) >= least;
-  };
-  if (leaves(bumped)) return bumped;
-  float low = 0, high = 1;  // share of the geometric normal
-  for (int i = 0; i < 20; ++i) {
-    const float middle = (low + high) / 2;
-    const bool enough = leaves(normalize(bumped * (1 - middle) + m.geometric_normal * middle));
-    (enough ? high : low) = middle;
-  }
-  return normalize(bumped * (1 - high) + m.geometric_normal * high);
-}
-
 bool is_constant(const Program& program) {
   if (!program.operations.empty() || program.normal) return false;
   return std::none_of(program.closures.begin(), program.closures.end(), [&](const ClosureStep& step) {
@@ -180,11 +165,10 @@ Closures Materials::evaluate(const Program& program, SurfacePoint& surface, cons
   if (program.normal) {
     const Vec3f wanted = normalize(registers[program.normal]);
     const bool usable = is_finite(wanted) && max_abs(wanted) > 0;
-    const Vec3f bumped = usable ? with_valid_reflection(machine, wanted) : machine.normal;
-    if (!(bumped == machine.normal)) {
+    if (usable && !(wanted == machine.normal)) {
       result.bumped = true;
       result.smooth_normal = machine.normal;
-      surface.normal = Vec3d(bumped);
+      surface.normal = Vec3d(wanted);
     }
   }
   const float cosine = float(dot(surface.normal, Vec3d(machine.incoming)));

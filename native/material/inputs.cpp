@@ -119,7 +119,26 @@ void bump(Machine& m, const Operation& o) {
   const Vec3f bumped = normalize(n * std::abs(determinant) - gradient * distance);
   const float strength = std::max(m.number(o, 0), 0.0f);
   const Vec3f mixed = normalize(bumped * strength + n * (1 - strength));
-  m.set(o, max_abs(mixed) > 0 && is_finite(mixed) ? with_valid_reflection(m, mixed) : n);
+  m.set(o, max_abs(mixed) > 0 && is_finite(mixed) ? mixed : n);
+}
+
+/// Input: a bumped normal. Turned towards the surface's own until the viewer's mirror direction leaves the
+/// surface.
+void valid_reflection(Machine& m, const Operation& o) {
+  const Vec3f bumped = normalize(m.in(o, 0));
+  if (!is_finite(bumped) || max_abs(bumped) == 0) return m.set(o, m.normal);
+  const float least = std::min(0.9f * dot(m.geometric_normal, m.incoming), 0.01f);
+  const auto leaves = [&](const Vec3f& n) {
+    return -dot(reflect(m.incoming, n), m.geometric_normal) >= least;
+  };
+  if (leaves(bumped)) return m.set(o, bumped);
+  float low = 0, high = 1;  // share of the geometric normal
+  for (int i = 0; i < 20; ++i) {
+    const float middle = (low + high) / 2;
+    const bool enough = leaves(normalize(bumped * (1 - middle) + m.geometric_normal * middle));
+    (enough ? high : low) = middle;
+  }
+  m.set(o, normalize(bumped * (1 - high) + m.geometric_normal * high));
 }
 
 Vec3f with_strength(const Machine& m, const Vec3f& mapped, float strength) {
@@ -166,6 +185,7 @@ constexpr NamedOperation kOperations[] = {
     {"multiple_scattering", multiple_scattering, false},
     {"dielectric_albedo", dielectric, false},
     {"bump", bump, false},
+    {"valid_reflection", valid_reflection, false},
     {"normal_map.TANGENT", normal_map_tangent, false},
     {"normal_map.OBJECT", normal_map_fixed<true, false>, false},
     {"normal_map.WORLD", normal_map_fixed<false, false>, false},

@@ -41,9 +41,6 @@ struct Machine {
   const SurfaceSample& surface(const Operation& o) const { return at[o.shift]; }
 };
 
-/// Turns a bumped normal towards the surface's own until the viewer's mirror direction leaves the surface.
-Vec3f with_valid_reflection(const Machine& machine, const Vec3f& bumped);
-
 /// What an operation's `data` is: any number, or a place in the tables, or an image's number.
 enum class DataKind : uint8_t { kNumber, kMatrix, kRamp, kCurves, kImage };
 

@@ -59,7 +59,7 @@ def test_lens(blurred, settings):
 
 @pytest.mark.parametrize("clip_start", [0.1, 1.0])
 def test_orthographic_lens(blurred, clip_start):
-    """Cycles counts the distance to the focus from the clip start."""
+    """Where the distance to the focus is counted from depends on the version (see compat.py)."""
     data = blurred.camera.data
     data.type, data.ortho_scale, data.clip_start = "ORTHO", 4.0, clip_start
     data.dof.aperture_fstop, data.dof.focus_distance = 2.0, 4.0

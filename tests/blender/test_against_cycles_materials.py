@@ -60,6 +60,8 @@ EXACT = {
     "textured mix": lambda t: mix(t, squares(t), diffuse(t), glossy(t, 0.4)),
     "add": lambda t: t.add("ShaderNodeAddShader", {0: diffuse(t), 1: glossy(t, 0.4)}).outputs[0],
 }
+if compat.PRINCIPLED_HAS_LAYERS:  # before that it is another one, with a note
+    EXACT["mixed multiple scattering"] = lambda t: mix(t, 0.5, diffuse(t), glossy(t, 0.5, "MULTI_GGX"))
 PRINCIPLED_CASES = {
     "plain": principled,
     "metal": lambda t: principled(t, Metallic=1.0, Roughness=0.3),
@@ -82,19 +84,6 @@ LAYERED = {
 """Measured in Blender 4.3: means of the whole within 0.3 %, of the sphere alone within 2 % and its blue within 4 %."""
 
 
-GAPS: dict[str, str] = {}
-"""Known differences from newer versions of Cycles (see README.md)."""
-if bpy.app.version >= (4, 3, 0):
-    GAPS["bumped diffuse"] = "newer Cycles bends the bumped normal for glossy shaders only"
-if bpy.app.version >= (5, 0, 0):
-    GAPS["textured mix"] = GAPS["cut out"] = "0.5 % in the mean where Generated coordinates feed a checker; unexplained"
-
-
-def expect_gap(request, name: str) -> None:
-    if name in GAPS:
-        request.applymarker(pytest.mark.xfail(reason=GAPS[name], strict=True))
-
-
 def assert_matches(scene, tolerance_of_mean: float, times_noise: float = 2.5, notes=()) -> None:
     ours = render_with_penumbra(scene)
     assert statistics.last_render["warnings"] == list(notes)
@@ -112,8 +101,7 @@ def assert_matches(scene, tolerance_of_mean: float, times_noise: float = 2.5, no
 
 
 @pytest.mark.parametrize("name", EXACT)
-def test_shader(scene, name, request):
-    expect_gap(request, name)
+def test_shader(scene, name):
     tree = Tree()
     show(scene, tree.finish(EXACT[name](tree)))
     assert_matches(scene, 3e-3)
@@ -198,9 +186,8 @@ TRANSPARENT = {
 
 @pytest.mark.parametrize("film", [False, True])
 @pytest.mark.parametrize("name", TRANSPARENT)
-def test_transparency(scene, name, film, request):
+def test_transparency(scene, name, film):
     """Seen through, and in the shadows of a sphere and a square; alpha, too."""
-    expect_gap(request, name)
     tree = Tree()
     material = tree.finish(TRANSPARENT[name](tree))
     show(scene, material, diffuse_material("Floor", (0.6, 0.6, 0.6)))

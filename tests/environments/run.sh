@@ -15,8 +15,8 @@ declare -A suites=([bookworm]=bookworm [trixie]=trixie [sid]=sid [arm64]=trixie)
 declare -A packages=(  # beyond what examples/install.sh installs
   [bookworm]="ccache"
   [trixie]="ccache"
-  # Blender 5's extension system wants the last three, and Debian's package does not say so.
-  [sid]="ccache python3-cattr python3-requests python3-zstandard"
+  # Blender 5 wants the last four, its extension system and its compositor, and Debian's package does not say so.
+  [sid]="ccache python3-cattr python3-requests python3-zstandard libegl1"
   # What bpy is linked to and does not bring.
   [bpy]="ccache python3-venv libsm6 libxi6 libxkbcommon0 libxxf86vm1 libxfixes3 libxrender1 libgl1"
   [arm64]="ccache cmake ninja-build g++-aarch64-linux-gnu qemu-user libembree-dev:arm64 libopenimageio-dev:arm64

@@ -121,7 +121,7 @@ def test_settings(settings, message):
         ("add_mesh", ("m", *floor(), None, None, 7), "material_slots"),
         ("add_mesh", (3, *floor()), "name: str"),
         ("add_area_light", ("l", "RECTANGLE", np.eye(4), (1,), (1, 1, 1)), "size"),
-        ("add_instance", ("i", -1, np.eye(4), [0]), "mesh: int"),
+        ("add_instance", ("i", -1, np.eye(4), [0]), "mesh: (int|typing.SupportsInt)"),  # pybind11 2 and 3
         ("set_background", ((1, 2),), "color"),
     ],
 )

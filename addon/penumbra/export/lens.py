@@ -3,6 +3,7 @@
 
 import numpy as np
 
+from .. import compat
 from .errors import ExportError
 
 Aperture = tuple[float, float, int, float, float]
@@ -30,7 +31,7 @@ def focus_distance(camera) -> float:
 def aperture_of(camera) -> Aperture | None:
     """Of an evaluated camera object; None for a pinhole. ExportError naming the camera if its focus is nowhere.
 
-    As in Cycles, an orthographic camera's lens has a focal length of 1 m and its focus is counted from the clip start.
+    As in Cycles, an orthographic camera's lens has a focal length of 1 m; its place depends on the version.
     """
     dof = camera.data.dof
     if not dof.use_dof:
@@ -41,7 +42,7 @@ def aperture_of(camera) -> Aperture | None:
     if not np.isfinite(numbers).all():
         raise ExportError(f"camera {camera.name!r}: its focus distance, f-stop, rotation or ratio is not finite")
     distance = max(numbers[1], NEAREST_FOCUS)
-    if camera.data.type == "ORTHO":  # the lens is in the plane of the clip start: as seen from the camera's own plane
+    if camera.data.type == "ORTHO" and compat.ORTHOGRAPHIC_LENS_AT_CLIP_START:  # as seen from the camera's own plane
         radius *= (distance + camera.data.clip_start) / distance
         distance += camera.data.clip_start
     return radius, distance, dof.aperture_blades, dof.aperture_rotation, dof.aperture_ratio

@@ -7,6 +7,8 @@ from .principled import add_diffuse, principled
 
 GREY = (0.8, 0.8, 0.8)
 GLOSSY = ("ShaderNodeBsdfGlossy", "ShaderNodeBsdfAnisotropic")  # the same node before and since Blender 4.0
+REFLECTING = ("glossy", "correlated glossy", "beckmann", "clearcoat", "phong")
+"""Closures that reflect light about a direction."""
 
 
 class Shaders:
@@ -54,17 +56,18 @@ class Shaders:
 
     def _glossy(self, place: Place, weight: int) -> None:
         self.use_normal(place)
-        distribution, colour = place.node.distribution, self._coloured(place, weight)
+        distribution, colour = place.node.distribution, self.compiler.value(place, "Color")
         roughness = self.compiler.value(place, "Roughness")
         if distribution == "SHARP":
-            self.program.add_closure("glossy", colour)
+            self.program.add_closure("glossy", self.program.multiply(weight, colour))
         elif distribution == "ASHIKHMIN_SHIRLEY":
-            self._phong(colour, roughness)
+            self._phong(self.program.multiply(weight, colour), roughness)
         else:
             if distribution == "MULTI_GGX" and compat.PRINCIPLED_HAS_LAYERS:
                 colour = self.program.add("multiple_scattering", colour, roughness, self.program.add("normal"))
             elif distribution == "MULTI_GGX":
                 self.compiler.note(place, "multiple scattering is not supported in this version; rendered as GGX")
+            colour = self.program.multiply(weight, colour)
             ggx = "correlated glossy" if compat.GGX_IS_CORRELATED else "glossy"
             self.program.add_closure("beckmann" if distribution == "BECKMANN" else ggx, colour, roughness)
         if self.compiler.is_linked(place, "Anisotropy") or self.program.known(
@@ -104,9 +107,13 @@ class Shaders:
         self._normals.append(self.compiler.value(place, "Normal") if self.compiler.is_linked(place, "Normal") else 0)
 
     def _choose_normal(self) -> None:
-        """A surface has one shading normal: the first one that bumps it."""
+        """A surface has one shading normal: the first one that bumps it, bent where a shader reflects."""
         different = list(dict.fromkeys(self._normals))
-        self.program.normal = next((n for n in different if n), 0)
+        normal = next((n for n in different if n), 0)
+        reflects = any(kind in REFLECTING for kind, *_ in self.program.closures)
+        if normal and (reflects or compat.DIFFUSE_NORMALS_REFLECT):
+            normal = self.program.add("valid_reflection", normal)
+        self.program.normal = normal
         if len(different) > 1:
             self.compiler.issues.append("its shaders differ in their normals; the first bumped one was used for all")
 

@@ -58,7 +58,7 @@ def attribute(compiler: Compiler, place: Place, socket) -> int:
     if place.node.attribute_type != "GEOMETRY":
         raise UnsupportedNode(f"node {place.node.name!r}: {place.node.attribute_type!r} is not supported yet")
     register = compiler.attribute(place.node.attribute_name)
-    if socket.name == "Fac":
+    if socket.identifier == "Fac":
         return compiler.program.add("average", register)
     return register + (socket.name == "Alpha")
 
@@ -115,7 +115,9 @@ def bump(compiler: Compiler, place: Place, socket) -> int:
     distance = compiler.value(place, "Distance")
     if place.node.invert:
         distance = compiler.program.math("MULTIPLY", distance, -1.0)
-    return compiler.program.add("bump", compiler.value(place, "Strength"), distance, *heights, compiler.normal(place))
+    strength = compiler.value(place, "Strength")
+    bumped = compiler.program.add("bump", strength, distance, *heights, compiler.normal(place))
+    return compiler.program.add("valid_reflection", bumped) if compat.DIFFUSE_NORMALS_REFLECT else bumped
 
 
 @node("ShaderNodeNormalMap")

@@ -37,7 +37,7 @@ def checker(compiler: Compiler, place: Place, socket) -> int:
     note_mapping(compiler, place)
     vector = compiler.coordinates(place, lambda: generated(compiler))
     inputs = [compiler.value(place, name) for name in ("Color1", "Color2", "Scale")]
-    return compiler.program.add("checker", vector, *inputs) + (socket.name == "Fac")
+    return compiler.program.add("checker", vector, *inputs) + (socket.identifier == "Fac")  # Blender 5 names it Factor
 
 
 @node("ShaderNodeTexNoise")
