@@ -21,6 +21,17 @@ struct VisibilitySums {
   }
 };
 
+/// What part of the dim luminaires that nobody looks at a place probably sees: as of those it looked at, by
+/// so many rays that saw and did not; half, where it looked at none (Laplace's rule of succession).
+inline double expected_share(double lit, double dark) {
+  return (lit + 1) / (lit + dark + 2);
+}
+
+/// What is charged for it, of their sum: the standard deviation as if all of them were seen or none.
+inline double share_deviation(double share) {
+  return std::sqrt(share * (1 - share));
+}
+
 struct BoundedItem {
   uint32_t point = 0, luminaire = 0;
   Vec3d diffuse, phong;                     // unshadowed radiance in the pixel, by lobe

@@ -2,6 +2,7 @@
 #include "lighting/bounded_light.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 
@@ -42,6 +43,7 @@ class BlockLight {
     find_items();
     drop_dim_items();
     first_look();
+    add_dropped_items();
     gate();
     flood();
     settle_certain_items();
@@ -77,6 +79,7 @@ class BlockLight {
   }
   void find_items();
   void drop_dim_items();
+  void add_dropped_items();
   void first_look();
   void gate();
   void flood();
@@ -93,6 +96,7 @@ class BlockLight {
   LightParts* parts_;
   ItemSampler item_sampler_;
   std::vector<BoundedItem> items_;     // by slot, then pixel
+  std::vector<BoundedItem> dropped_;   // too dim for a ray, by pixel
   std::vector<double> certain_error_;  // of each pixel's certain items, display units
 };
 
@@ -118,8 +122,7 @@ void BlockLight::find_items() {
     std::stable_sort(items_.begin(), items_.end(), before);
 }
 
-/// A pixel's dimmest items, as many as its share of the tolerance pays for: half of each is added, and half
-/// is the error at most.
+/// Sets a pixel's dimmest items aside, as many as its share of the tolerance pays for: they get no ray.
 void BlockLight::drop_dim_items() {
   if (luminaires_.size() < 2) return;
   std::vector<std::vector<uint32_t>> of_pixel(block_.pixels());
@@ -136,19 +139,33 @@ void BlockLight::drop_dim_items() {
       if (charge > kDropShare * settings_.tolerance) break;
       dropped[i] = true;
       tally_.decided_without_ray += in_core(p, 0);
-      out_[p].radiance += items_[i].unshadowed() * 0.5;
-      if (parts_) {  // nothing is known of its shadow
-        const Vec3d diffuse = items_[i].diffuse * 0.5, glossy = items_[i].phong * 0.5;
-        add_light(parts_->of(p), luminaires_[items_[i].luminaire], points_[items_[i].point],
-                  {diffuse, diffuse}, {glossy, glossy});
-      }
-      out_[p].error = charge;
+      dropped_.push_back(items_[i]);
     }
   }
   size_t kept = 0;
   for (size_t i = 0; i < items_.size(); ++i)
     if (!dropped[i]) items_[kept++] = items_[i];
   items_.resize(kept);
+}
+
+/// Adds of the dropped items what the pixel sees of the others, by their first looks.
+void BlockLight::add_dropped_items() {
+  if (dropped_.empty()) return;
+  std::vector<std::array<uint32_t, 2>> rays(block_.pixels());  // lit, dark
+  for (const BoundedItem& item : items_) {
+    rays[pixel(item)][0] += uint32_t(std::popcount(item.first_lit));
+    rays[pixel(item)][1] += uint32_t(std::popcount(item.first_dark));
+  }
+  for (const BoundedItem& item : dropped_) {
+    const auto& [lit, dark] = rays[pixel(item)];
+    const double share = expected_share(lit, dark);
+    PixelLight& light = out_[pixel(item)];
+    light.radiance += item.unshadowed() * share;
+    light.error += item.size() * share_deviation(share);
+    if (parts_)
+      add_light(parts_->of(pixel(item)), luminaires_[item.luminaire], points_[item.point],
+                {item.diffuse * share, item.diffuse}, {item.phong * share, item.phong});
+  }
 }
 
 void BlockLight::first_look() {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lighting/bounded_item.h"
 #include "lighting/lobe_colours.h"
 #include "sampling/hash.h"
 
@@ -58,6 +59,7 @@ void SamplePacket::trace(std::span<const SampleRun> runs) {
   tally_.light.stop_if_cancelled();
   find_points(runs);
   contributions_.clear();
+  dropped_.clear();
   visible_.clear();
   const uint64_t traced_before = queue_.traced();
   for (uint32_t begin = 0; begin < points_.size(); begin += kBatch) {
@@ -67,6 +69,7 @@ void SamplePacket::trace(std::span<const SampleRun> runs) {
     for (uint32_t l = 0; l < luminaires_; ++l) light(runs, l, begin, end, columns);
   }
   queue_.flush();
+  if (!dropped_.empty()) add_dropped();
   tally_.light.shadow_rays += queue_.traced() - traced_before;
 }
 
@@ -160,12 +163,11 @@ void SamplePacket::light(std::span<const SampleRun> runs, uint32_t l, uint32_t b
     const DiffuseColour colour = diffuse_colour(shading, luminaire);
     const Vec3d diffuse = arriving * colour.mean * form_factors[i];
     const double size = max_abs(diffuse) * display_scale_;
-    // Too dim for a ray: half of it is added, and half of it is the error at most.
+    // Too dim for a ray.
     if (luminaires_ > 1 && !shading.has_glossy && charge[lane] + size / 2 <= kDropShare * tolerance_) {
       charge[lane] += size / 2;
       ++tally_.light.decided_without_ray;
-      ends[lane].background += diffuse * 0.5;
-      if (parts) add_light(parts->of(lane), luminaire, lit, {diffuse * 0.5, diffuse * 0.5}, {});
+      dropped_.push_back({k, l, diffuse});
       continue;
     }
     const uint32_t s = (lit.bounce * luminaires_ + l) * lobes_;
@@ -189,6 +191,26 @@ void SamplePacket::light(std::span<const SampleRun> runs, uint32_t l, uint32_t b
     if (lobe.weight > 0)
       contributions_.push_back({lane, s + 1, specular, max_abs(specular) * display_scale_, ray});
   }
+}
+
+/// A sample sees of the dropped luminaires what it sees of the others.
+void SamplePacket::add_dropped() {
+  uint32_t lit[kPacket] = {}, dark[kPacket] = {};
+  for (const Contribution& one : contributions_) {
+    const bool seen = one.ray != kNoRay ? sees(one) : frame_.of_pixel(pixel(one.lane))[one.slot].lit;
+    ++(seen ? lit : dark)[one.lane];
+  }
+  for (const Dropped& one : dropped_) {
+    const LitPoint& at = points_[one.point];
+    const double share = expected_share(lit[at.pixel], dark[at.pixel]);
+    ends[at.pixel].background += one.diffuse * share;
+    if (parts)
+      add_light(parts->of(at.pixel), c_.luminaires[one.luminaire], at, {one.diffuse * share, one.diffuse},
+                {});
+  }
+  // It was charged with half of each, which is the most.
+  for (uint32_t lane = 0; lane < kPacket; ++lane)
+    charge[lane] *= 2 * share_deviation(expected_share(lit[lane], dark[lane]));
 }
 
 }  // namespace penumbra

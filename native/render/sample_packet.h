@@ -81,6 +81,7 @@ class SamplePacket {
   void place_on_light(std::span<const SampleRun> runs, uint32_t luminaire, uint32_t begin, uint32_t end,
                       float* u, float* v) const;
   bool wants_ray(const Lane& lane, const Slot& slot, uint32_t luminaire) const;
+  void add_dropped();
   int64_t add_ray(const LitPoint& lit, const Luminaire& luminaire, const Vec3f& to_light);
 
   const RenderContext& c_;
@@ -92,6 +93,12 @@ class SamplePacket {
   Lane lanes_[kPacket];
   std::vector<LitPoint> points_;  // LitPoint::pixel is the lane
   std::vector<Contribution> contributions_;
+  /// A diffuse lobe's unshadowed light from a luminaire that is too dim for a ray.
+  struct Dropped {
+    uint32_t point, luminaire;  // of points_
+    Vec3d diffuse;
+  };
+  std::vector<Dropped> dropped_;
   std::vector<uint8_t> visible_;
 };
 
