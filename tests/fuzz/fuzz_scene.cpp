@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Any bytes as a scene and settings, built and rendered: it is refused with an exception, or every pixel is
-// finite.
+// finite, and the same in two renders at once.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <numbers>
+#include <optional>
 
 #include "bytes.h"
 #include "material/evaluate.h"
@@ -196,11 +197,12 @@ RenderSettings read_settings(Bytes& in) {
   return s;
 }
 
+[[noreturn]] void fail(const std::string& why) {
+  std::fprintf(stderr, "fuzz_scene: %s\n", why.c_str());
+  std::abort();
+}
+
 void check(const Film& film, const RenderSettings& settings) {
-  const auto fail = [](const std::string& why) {
-    std::fprintf(stderr, "fuzz_scene: %s\n", why.c_str());
-    std::abort();
-  };
   for (const std::string& name : settings.passes)
     for (float value : film.pass(name))
       if (!std::isfinite(value)) fail("a value of " + name + " is not finite");
@@ -237,9 +239,17 @@ void render(Bytes& in) {
   const auto geometry = std::make_shared<Geometry>(std::move(mesh_list), std::move(instance_list), 0,
                                                    scene->has_transparency() ? materials_of_scene : nullptr);
   Renderer renderer(scene, geometry, materials_of_scene, settings);
+  // Now and then a second render of the same scene beside it: what they share must not be written to.
+  std::optional<Renderer> twin;
+  if (settings.seed % 4 == 0) twin.emplace(scene, geometry, materials_of_scene, settings);
   renderer.start();
+  if (twin) twin->start();
   renderer.finish();
   check(renderer.film(), renderer.settings());
+  if (!twin) return;
+  twin->finish();
+  for (const std::string& name : settings.passes)
+    if (renderer.film().pass(name) != twin->film().pass(name)) fail("two renders differ in " + name);
 }
 
 }  // namespace
