@@ -10,11 +10,26 @@
 #include "bytes.h"
 #include "material/evaluate.h"
 #include "render/renderer.h"
+#include "scene/strands.h"
 
 namespace penumbra {
 namespace {
 
 using fuzz::Bytes;
+
+/// Mostly at two or three times, of which each vertex has its own place.
+uint32_t read_times(Bytes& in) {
+  return in.below(5) < 4 ? 0 : in.byte() < 250 ? 2 + in.below(2) : in.byte();
+}
+
+void read_motion(Bytes& in, Mesh& mesh) {
+  for (uint32_t time = read_times(in); time > 0; --time) {
+    MeshPose pose{mesh.positions, mesh.corner_normals};
+    for (Vec3d& p : pose.positions) p += in.vector() * 0.2;
+    if (in.byte() > 250) pose.positions.pop_back();
+    mesh.motion.push_back(std::move(pose));
+  }
+}
 
 Mesh read_mesh(Bytes& in) {
   Mesh mesh;
@@ -31,6 +46,25 @@ Mesh read_mesh(Bytes& in) {
     for (uint32_t i = 0; i < 3 * triangles; ++i) mesh.corner_normals.push_back(Vec3f(in.vector()));
   if (in.below(3) == 0)
     for (uint32_t i = 0; i < triangles; ++i) mesh.material_slots.push_back(in.below(4));
+  read_motion(in, mesh);
+  return mesh;
+}
+
+/// Curves or spheres, of keys some of which are no use.
+Mesh read_strands(Bytes& in) {
+  Mesh mesh;
+  mesh.name = "hair";
+  std::vector<uint32_t> counts;
+  for (uint32_t curve = in.below(6); curve > 0; --curve) {
+    counts.push_back(in.byte() < 250 ? in.below(7) : in.byte());
+    for (uint32_t i = std::min(counts.back(), 6u); i > 0; --i) {
+      mesh.positions.push_back(in.vector());
+      mesh.radii.push_back(float(in.byte() < 250 ? 0.3 * in.share() : in.number()));
+    }
+  }
+  read_motion(in, mesh);
+  mesh.strands = StrandShape(1 + in.below(3));
+  mesh.strands == StrandShape::kSphere ? make_points(mesh) : make_curves(mesh, counts);
   return mesh;
 }
 
@@ -171,6 +205,12 @@ void read_camera(Bytes& in, Scene& scene) {
   if (in.below(4) == 0) camera.world_from_camera = in.transform();
   if (in.below(8) == 0) camera.window.left = in.number(), camera.window.top = in.number();
   camera.clip_start = in.share(), camera.clip_end = 100 + in.number();
+  for (uint32_t time = read_times(in); time > 0; --time) {
+    camera.motion.push_back(in.transform());
+    camera.window_motion.push_back(camera.window);
+  }
+  if (in.below(4) == 3) camera.aperture = {in.share(), in.number(), in.below(8), in.number(), in.share()};
+  for (uint32_t i = in.below(4); i > 0; --i) camera.shutter.push_back(in.number());
   scene.set_camera(camera);
 }
 
@@ -224,14 +264,17 @@ void render(Bytes& in) {
     else
       scene->add_material(read_material(in));
   }
-  for (uint32_t i = 0; i < meshes; ++i) scene->add_mesh(read_mesh(in));
-  for (uint32_t i = 0; i < instances; ++i)
-    scene->add_instance({"instance",
-                         in.byte() < 250 ? in.below(meshes) : in.below(9),
-                         in.transform(),
-                         {in.below(materials), in.byte() < 250 ? in.below(materials) : in.below(9)},
-                         in.byte() < 200 ? kAnyRay : in.bits<RayMask>(),
-                         in.byte() < 250 ? in.below(4) : in.bits<uint32_t>()});
+  for (uint32_t i = 0; i < meshes; ++i) scene->add_mesh(in.below(4) < 3 ? read_mesh(in) : read_strands(in));
+  for (uint32_t i = 0; i < instances; ++i) {
+    Instance instance{"instance",
+                      in.byte() < 250 ? in.below(meshes) : in.below(9),
+                      in.transform(),
+                      {in.below(materials), in.byte() < 250 ? in.below(materials) : in.below(9)},
+                      in.byte() < 200 ? kAnyRay : in.bits<RayMask>(),
+                      in.byte() < 250 ? in.below(4) : in.bits<uint32_t>()};
+    for (uint32_t time = read_times(in); time > 0; --time) instance.motion.push_back(in.transform());
+    scene->add_instance(std::move(instance));
+  }
   for (uint32_t i = 0; i < lights; ++i) read_luminaire(in, *scene);
   const RenderSettings settings = read_settings(in);
   auto [mesh_list, instance_list] = scene->release_geometry();

@@ -71,7 +71,7 @@ def test_every_layout_is_taken_or_refused_alike(positions, triangles):
 
 
 @given(st.sampled_from(["add_material", "add_program", "add_image", "add_instance", "add_area_light", "add_point_light",
-                        "add_sun", "add_mesh_light", "set_camera", "set_background"]),
+                        "add_sun", "add_mesh_light", "set_camera", "set_background", "add_curves", "add_points"]),
        st.lists(values | any_array | vectors(values, 3) | vectors(numbers, 2), max_size=6))  # fmt: skip
 def test_any_arguments(method, arguments):
     try:
@@ -161,11 +161,27 @@ class Scenes(RuleBasedStateMachine):
     def mesh(self, positions, triangles):
         self.attempt(self.scene.add_mesh, "mesh", positions, triangles)
 
-    @rule(mesh=st.integers(0, 3), place=vectors(numbers, 3), scale=vectors(numbers, 3))
-    def instance(self, mesh, place, scale):
+    @rule(
+        keys=hnp.arrays(float, (8, 3), elements=numbers),
+        radii=hnp.arrays(float, 8, elements=numbers),
+        counts=st.lists(st.integers(0, 8), max_size=4) | st.just([3, 5]),
+        shape=st.sampled_from(["RIBBON", "TUBE"]),
+        moved=st.none() | hnp.arrays(float, (8, 3), elements=numbers),
+    )
+    def strands(self, keys, radii, counts, shape, moved):
+        motion = [] if moved is None else [keys, moved]
+        counted = np.array(counts, np.int32)
+        self.attempt(self.scene.add_curves, "hair", keys, radii, counted, shape, motion=motion)
+        self.attempt(self.scene.add_points, "drops", keys, radii, motion=motion)
+
+    @rule(mesh=st.integers(0, 3), place=vectors(numbers, 3), scale=vectors(numbers, 3),
+          moved=st.none() | vectors(numbers, 3))  # fmt: skip
+    def instance(self, mesh, place, scale, moved):
         matrix = np.diag([*scale, 1.0])
         matrix[:3, 3] = place
-        self.attempt(self.scene.add_instance, "instance", mesh, matrix, [0])
+        end = matrix.copy()
+        end[:3, 3] = moved or place
+        self.attempt(self.scene.add_instance, "instance", mesh, matrix, [0], motion=[matrix, end] if moved else [])
 
     @rule(matrix=hnp.arrays(float, (3, 4), elements=plain), size=vectors(numbers, 2), radiance=vectors(numbers, 3),
           shape=st.sampled_from(["RECTANGLE", "ELLIPSE"]), shadow=st.booleans())  # fmt: skip
