@@ -26,7 +26,7 @@ void read_motion(Bytes& in, Mesh& mesh) {
   for (uint32_t time = read_times(in); time > 0; --time) {
     MeshPose pose{mesh.positions, mesh.corner_normals};
     for (Vec3d& p : pose.positions) p += in.vector() * 0.2;
-    if (in.byte() > 250) pose.positions.pop_back();
+    if (in.byte() > 250) pose.positions.resize(mesh.positions.size() / 2);
     mesh.motion.push_back(std::move(pose));
   }
 }

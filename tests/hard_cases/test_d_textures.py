@@ -10,6 +10,7 @@ import numpy as np
 import OpenImageIO as oiio
 import penumbra_native as pn
 import pytest
+from processes import run_code
 from scenes import floor, look_down, render
 
 NAME = "material 'Lack': image 'Plakat'"
@@ -106,3 +107,28 @@ def test_d48_truncated_files(tmp_path, suffix, share):
     assert all(note.startswith(NAME) for note in picture.statistics["warnings"])
     if share == 0.02:
         assert_missing(poster(path))
+
+
+@pytest.mark.parametrize(
+    ("side", "mebibytes", "read"), [(40_000, 512, False), (4000, 150, False), (4000, 190, False), (4000, 400, True)]
+)
+def test_d48_no_memory_for_an_image(side, mebibytes, read):
+    """In a process that may grow by so much more; the pixels of 4000 x 4000 are 15 MiB, and are read from 190 MiB on.
+    OpenImageIO 2.4 ends the process where it is tried with less."""
+    rows = side if side < 9999 else 1
+    process = run_code(f"""
+        import pathlib, resource, tempfile, zlib
+        import test_d_textures as t
+        from scenes import render
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "poster.png"
+            path.write_bytes(t.png({side}, {side}, 8, zlib.compress(bytes({side + 1}) * {rows})))
+            render(t.poster(pathlib.Path(folder) / "none.png"), 4)
+            used = int(open("/proc/self/statm").read().split()[0]) * 4096
+            resource.setrlimit(resource.RLIMIT_AS, (used + {mebibytes} * 2**20, -1))
+            picture = render(t.poster(path), 4, stop_rule="FIXED", threads=1)
+            print(picture.passes["Combined"][0, 0], *picture.statistics["warnings"])
+    """)
+    assert process.returncode == 0, process.stderr
+    assert ("this process cannot get the" in process.stdout) == (not read), process.stdout
+    assert process.stdout.startswith("[0. 0. 0. 1.]" if read else "[1. 0. 1. 1.]")
