@@ -17,13 +17,24 @@ Box transformed(const Box& box, const Affine& transform) {
 }
 
 /// Embree carries rays into the space of a shared mesh, in single precision: where axes are nearly dependent
-/// its inverse is infinite, and it refuses (and aborts at) directions beyond 1.8e18.
+/// its inverse is infinite, as where the determinant leaves the range of float, and it refuses (and aborts
+/// at) directions beyond 1.8e18.
 bool has_usable_inverse(const Affine& t) {
-  constexpr double kMost = 1e17, kLeastVolume = 1e-5;
-  if (!(std::abs(t.determinant()) > kLeastVolume * length(t.x_axis) * length(t.y_axis) * length(t.z_axis)))
-    return false;
+  constexpr double kMost = 1e17, kLeastVolume = 1e-5, kLeastDeterminant = 1e-36, kMostDeterminant = 1e36;
+  const double determinant = std::abs(t.determinant());
+  if (!(determinant > kLeastDeterminant && determinant < kMostDeterminant)) return false;
+  if (!(determinant > kLeastVolume * length(t.x_axis) * length(t.y_axis) * length(t.z_axis))) return false;
   for (const Vec3d& axis : {Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}})
     if (!(max_abs(t.inverse_vector(axis)) < kMost)) return false;
+  return true;
+}
+
+/// At all times between two poses, where Embree mixes them entry by entry: a mirrored one is met through
+/// zero.
+bool has_usable_inverse(const Affine& from, const Affine& to) {
+  if ((from.determinant() > 0) != (to.determinant() > 0)) return false;
+  for (const double share : {0.25, 0.5, 0.75})
+    if (!has_usable_inverse(mixed(from, to, share))) return false;
   return true;
 }
 
@@ -192,6 +203,9 @@ RTCGeometry Geometry::make_instance(PlacedInstance& placed, const PlacedMesh& me
   for (const Affine& pose : placed.object_motion) {
     placed.mesh_motion.push_back(pose * object_from_mesh);
     if (!has_usable_inverse(placed.mesh_motion.back())) return nullptr;
+    if (const size_t n = placed.mesh_motion.size();
+        n > 1 && !has_usable_inverse(placed.mesh_motion[n - 2], placed.mesh_motion[n - 1]))
+      return nullptr;
     placed.extent = std::max(placed.extent, max_abs(transformed(box, pose).extent()));
   }
   RTCGeometry geometry = rtcNewGeometry(device_->device.get(), RTC_GEOMETRY_TYPE_INSTANCE);

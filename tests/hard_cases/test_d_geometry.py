@@ -165,12 +165,15 @@ def test_d39_nearly_singular_instances_of_a_shared_mesh(rule):
     scene = lit_floor()
     mesh = add(scene, "box", box([-0.3, -0.3, 0], [0.3, 0.3, 0.6]))
     grey = scene.add_material("grey", (0.5,) * 3)
-    for matrix in (flat, flat.T.copy(), scaling(1e-20, 1e-20, 1e-20)):
+    tiny = [scaling(s, s, s) for s in (1e-13, 1e-14, 1e-16, 1e-20)]
+    for matrix in (flat, flat.T.copy(), *tiny):
         matrix[:3, 3], matrix[3] = 0, [0, 0, 0, 1]
         scene.add_instance("crushed", mesh, matrix, [grey])
+    for end in (scaling(1, 1, -1), scaling(0.5, -2, 1)):  # is flat in between
+        scene.add_instance("mirrored", mesh, np.eye(4), [grey], motion=[np.eye(4), end])
     picture = render(scene, 8, **rule)
     assert all(np.isfinite(values).all() for values in picture.passes.values())
-    text = "3 objects whose scale is zero in some direction were left out: 'crushed' and 2 more"
+    text = "8 objects whose scale is zero in some direction were left out: 'crushed' and 7 more"
     assert picture.statistics["warnings"] == [text]
 
 
