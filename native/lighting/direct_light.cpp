@@ -52,7 +52,7 @@ DirectLight::Estimate DirectLight::from(const Luminaire& luminaire, const Shadin
   const Vec3d diffuse = luminaire.radiance() * diffuse_colour(point, luminaire).of_weight(),
               glossy = luminaire.radiance() * glossy_colour(point, luminaire);
 
-  const ShadowRays rays(geometry_, point.surface, luminaire.role().shadow_rays);
+  const ShadowRays rays(geometry_, point.surface, luminaire.shadow_kind());
   StopRule rule(stop_, diffuse, glossy);
   Moments moments;
   double all_diffuse = 0, all_glossy = 0;  // sums without shadows, if parts are wanted

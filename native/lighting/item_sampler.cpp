@@ -90,7 +90,7 @@ void ItemSampler::look(BoundedItem& item, LightTally& tally) const {
   float unshadowed[kFirstLook];
   std::copy(f, f + kFirstLook, unshadowed);
   if (luminaire.casts_shadow())
-    tally.shadow_rays += ShadowRays(geometry_, lit.surface, luminaire.role().shadow_rays)
+    tally.shadow_rays += ShadowRays(geometry_, lit.surface, luminaire.shadow_kind())
                              .hide(points.x, points.y, points.z, f, traced);
   // Behind a transparent surface a point is both.
   for (uint32_t i = 0; i < kFirstLook; ++i) item.first_lit |= uint8_t((f[i] > 0) << i);
@@ -102,7 +102,7 @@ void ItemSampler::advance(BoundedItem& item, uint32_t target, LightTally& tally)
   const LitPoint& lit = points_[item.point];
   const Luminaire& luminaire = luminaires_[item.luminaire];
   const ShadingPoint point(lit.surface, *lit.material, lit.ray_direction);
-  const ShadowRays rays(geometry_, lit.surface, luminaire.role().shadow_rays);
+  const ShadowRays rays(geometry_, lit.surface, luminaire.shadow_kind());
   alignas(64) float u[kPacket], v[kPacket], unshadowed[kPacket], phong[kPacket], visible_phong[kPacket];
   alignas(64) int traced[kPacket] = {};
   LightPoints points;

@@ -38,6 +38,13 @@ Parts make_parts(const MeshLuminaire& d, const Normalization& n) {
 
 }  // namespace
 
+Luminaire Luminaire::of_channel(uint8_t channel) const {
+  Luminaire result = *this;
+  result.channel_ = channel;
+  result.radiance_ = radiance_ * Vec3d{double(channel == 0), double(channel == 1), double(channel == 2)};
+  return result;
+}
+
 Luminaire::Luminaire(const LuminaireDescription& description, const Normalization& normalization,
                      uint32_t light_group)
     : light_group_(light_group) {

@@ -55,6 +55,9 @@ class Luminaire {
   const std::string& name() const { return name_; }
   bool casts_shadow() const { return cast_shadow_; }
   const LuminaireRole& role() const { return role_; }
+  ShadowKind shadow_kind() const { return {role_.shadow_rays, channel_}; }
+  /// What it gives of one channel, for scenes where shadows are coloured.
+  Luminaire of_channel(uint8_t channel) const;
   /// Its number; kNoLightGroup: none.
   uint32_t light_group() const { return light_group_; }
 
@@ -71,6 +74,7 @@ class Luminaire {
   bool cast_shadow_;
   LuminaireRole role_;
   uint32_t light_group_;
+  uint8_t channel_ = kAllChannels;
 };
 
 }  // namespace penumbra

@@ -122,7 +122,7 @@ bool Materials::may_be_transparent(uint32_t material) const {
   return scene_->materials()[material].may_be_transparent();
 }
 
-double Materials::transparency(const SurfacePoint& surface, const Vec3d& direction) const {
+double Materials::transparency(const SurfacePoint& surface, const Vec3d& direction, uint8_t channel) const {
   const Material& material = scene_->materials()[surface.material];
   Vec3d t = material.transparency;
   if (material.program) {
@@ -131,7 +131,7 @@ double Materials::transparency(const SurfacePoint& surface, const Vec3d& directi
                  {direction, RayKind::kShadow})
             .transparency;
   }
-  return std::clamp((t.x + t.y + t.z) / 3, 0.0, 1.0);
+  return std::clamp(channel == kAllChannels ? (t.x + t.y + t.z) / 3 : t[channel], 0.0, 1.0);
 }
 
 std::vector<std::string> Materials::problems() const {

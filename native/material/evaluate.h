@@ -45,7 +45,7 @@ class Materials final : public Opacity {
   Closures evaluate(const Program& program, SurfacePoint& surface, const Seen& seen) const;
 
   bool may_be_transparent(uint32_t material) const override;
-  double transparency(const SurfacePoint& surface, const Vec3d& direction) const override;
+  double transparency(const SurfacePoint& surface, const Vec3d& direction, uint8_t channel) const override;
 
   /// See Textures::problems().
   std::vector<std::string> problems() const;

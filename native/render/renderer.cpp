@@ -61,6 +61,16 @@ std::vector<float>::iterator percentile_99(std::vector<float>& values) {
   return p99;
 }
 
+/// Where shadows are coloured each channel has its own: luminaires of one channel, as coloured skies are.
+std::vector<Luminaire> by_channel(const std::vector<Luminaire>& luminaires) {
+  std::vector<Luminaire> result;
+  for (const Luminaire& luminaire : luminaires) {
+    if (!luminaire.casts_shadow()) result.push_back(luminaire);
+    for (uint8_t c = 0; c < 3 && luminaire.casts_shadow(); ++c) result.push_back(luminaire.of_channel(c));
+  }
+  return result;
+}
+
 std::vector<Luminaire> emitting_luminaires(const Scene& scene, const Geometry& geometry,
                                            const Materials& materials) {
   const Normalization& normalization = geometry.normalization();
@@ -70,6 +80,7 @@ std::vector<Luminaire> emitting_luminaires(const Scene& scene, const Geometry& g
   for (Luminaire& part : textured_luminaires(scene, geometry, materials))
     luminaires.push_back(std::move(part));
   for (Luminaire& part : sky_luminaires(scene.background())) luminaires.push_back(std::move(part));
+  if (scene.has_coloured_transparency()) luminaires = by_channel(luminaires);
   std::erase_if(luminaires, [](const Luminaire& luminaire) { return luminaire.dark(); });
   return luminaires;
 }

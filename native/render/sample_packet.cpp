@@ -136,8 +136,7 @@ bool SamplePacket::wants_ray(const Lane& lane, const Slot& slot, uint32_t lumina
 int64_t SamplePacket::add_ray(const LitPoint& lit, const Luminaire& luminaire, const Vec3f& to_light) {
   visible_.push_back(1);
   ++rays_of[lit.pixel];
-  if (luminaire.casts_shadow())
-    queue_.add(lit.surface, to_light, luminaire.role().shadow_rays, visible_.back());
+  if (luminaire.casts_shadow()) queue_.add(lit.surface, to_light, luminaire.shadow_kind(), visible_.back());
   return int64_t(visible_.size()) - 1;
 }
 

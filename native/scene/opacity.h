@@ -13,8 +13,9 @@ class Opacity {
 
   /// Whether a material lets light through somewhere.
   virtual bool may_be_transparent(uint32_t material) const = 0;
-  /// Share of the light that goes straight through a surface point, 0 ... 1, along a ray's direction.
-  virtual double transparency(const SurfacePoint& surface, const Vec3d& direction) const = 0;
+  /// Share of the light that goes straight through a surface point, 0 ... 1, along a ray's direction: of one
+  /// channel, or of their mean.
+  virtual double transparency(const SurfacePoint& surface, const Vec3d& direction, uint8_t channel) const = 0;
 };
 
 }  // namespace penumbra

@@ -57,8 +57,9 @@ struct Program {
   std::vector<Operation> operations;
   std::vector<float> tables;  // of colour ramps and the like
   std::vector<ClosureStep> closures;
-  bool looks_beside = false;  // some operation has a shift
-  uint16_t normal = 0;        // register with the shading normal, world space; 0: the surface's own
+  bool looks_beside = false;       // some operation has a shift
+  bool grey_transparency = false;  // what goes through is the same for red, green and blue
+  uint16_t normal = 0;             // register with the shading normal, world space; 0: the surface's own
 
   bool has(ClosureKind kind) const {
     return std::any_of(closures.begin(), closures.end(), [kind](const auto& c) { return c.kind == kind; });

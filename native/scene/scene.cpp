@@ -152,6 +152,7 @@ uint32_t Scene::add_material(Material material) {
 uint32_t Scene::add_shader(Material material) {
   has_mirrors_ = has_mirrors_ || material.may_mirror();
   has_transparency_ = has_transparency_ || material.may_be_transparent();
+  has_coloured_transparency_ = has_coloured_transparency_ || material.may_tint();
   hash_ = hash_bytes(hash_, &material.diffuse, sizeof(Vec3d));
   hash_ = hash_bytes(hash_, &material.phong, sizeof(Vec3d));
   hash_ = hash_bytes(hash_, &material.mirror, sizeof(Vec3d));

@@ -80,6 +80,11 @@ struct Material : Closures {
   bool may_be_transparent() const {
     return program ? program->has(ClosureKind::kTransparent) : max_component(transparency) > 0;
   }
+  /// What goes through may be of another colour behind it.
+  bool may_tint() const {
+    if (program) return may_be_transparent() && !program->grey_transparency;
+    return transparency.x != transparency.y || transparency.y != transparency.z;
+  }
 };
 
 /// What is seen beyond all surfaces.
@@ -142,6 +147,7 @@ class Scene {
   const Background& background() const { return background_; }
   bool has_mirrors() const { return has_mirrors_; }
   bool has_transparency() const { return has_transparency_; }
+  bool has_coloured_transparency() const { return has_coloured_transparency_; }
 
  private:
   void check_not_frozen(const std::string& name) const;
@@ -159,7 +165,8 @@ class Scene {
   std::vector<TexturedLuminaire> textured_luminaires_;
   Camera camera_;
   Background background_;
-  bool has_camera_ = false, has_mirrors_ = false, has_transparency_ = false, frozen_ = false;
+  bool has_camera_ = false, has_mirrors_ = false, has_transparency_ = false,
+       has_coloured_transparency_ = false, frozen_ = false;
   uint64_t hash_ = 0;
 };
 

@@ -61,18 +61,21 @@ inline void intersect16(const int* valid, RTCScene scene, RTCRayHit16& rays, boo
   rtcIntersect16(valid, scene, &rays, &arguments);
 }
 
-/// The context of shadow rays, with what transparent surfaces leave of each ray's light: by the rays' `id`.
+/// The context of shadow rays, with what transparent surfaces leave of each ray's light, and that light's
+/// channel: by the rays' `id`.
 struct ShadowContext : RTCRayQueryContext {
   const Geometry* geometry;
   float* transmittance;
+  const uint8_t* channels;
 };
 
 inline void occluded16(const int* valid, RTCScene scene, RTCRay16& rays, const Geometry* geometry,
-                       float* transmittance) {
+                       float* transmittance, const uint8_t* channels) {
   ShadowContext context;
   rtcInitRayQueryContext(&context);
   context.geometry = geometry;
   context.transmittance = transmittance;
+  context.channels = channels;
   RTCOccludedArguments arguments;
   rtcInitOccludedArguments(&arguments);
   arguments.context = &context;
@@ -93,18 +96,21 @@ inline void intersect16(const int* valid, RTCScene scene, RTCRayHit16& rays, boo
   rtcIntersect16(valid, scene, &context, &rays);
 }
 
-/// The context of shadow rays, with what transparent surfaces leave of each ray's light: by the rays' `id`.
+/// The context of shadow rays, with what transparent surfaces leave of each ray's light, and that light's
+/// channel: by the rays' `id`.
 struct ShadowContext : RTCIntersectContext {
   const Geometry* geometry;
   float* transmittance;
+  const uint8_t* channels;
 };
 
 inline void occluded16(const int* valid, RTCScene scene, RTCRay16& rays, const Geometry* geometry,
-                       float* transmittance) {
+                       float* transmittance, const uint8_t* channels) {
   ShadowContext context;
   rtcInitIntersectContext(&context);
   context.geometry = geometry;
   context.transmittance = transmittance;
+  context.channels = channels;
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
   rtcOccluded16(valid, scene, &context, &rays);
 }

@@ -93,7 +93,7 @@ class Geometry {
   void clean(std::vector<Mesh>& meshes, const std::vector<uint32_t>& users);
   std::shared_ptr<const PlacedMesh> place_shared(Mesh& mesh, const Box& box, bool may_be_transparent) const;
   RTCGeometry make_instance(PlacedInstance& placed, const PlacedMesh& mesh, const Box& box) const;
-  double transparency(const Ray& ray, const Hit& hit) const;
+  double transparency(const Ray& ray, const Hit& hit, uint8_t channel) const;
   struct Moved;
   void strand_point(const Ray& ray, const Hit& hit, SurfacePoint& s) const;
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "visibility/shadow_rays.h"
 
+#include <algorithm>
 #include <bit>
 
 #include "math/simd.h"
@@ -73,27 +74,31 @@ ShadowSide side(const SurfacePoint& surface, double sign) {
 
 }  // namespace
 
-ShadowRays::ShadowRays(const Geometry& geometry, const SurfacePoint& surface, RayMask mask)
+ShadowRays::ShadowRays(const Geometry& geometry, const SurfacePoint& surface, ShadowKind kind)
     : geometry_(geometry),
       origin_{Vec3f(surface.geometric_normal), side(surface, 1), side(surface, -1), float(surface.time)},
-      mask_(mask),
+      kind_(kind),
       usable_(is_finite(origin_.front.origin) && is_finite(origin_.back.origin)) {}
 
 uint32_t ShadowRays::hide(const float* x, const float* y, const float* z, float* contribution,
                           int* traced) const {
   alignas(64) RTCRay16 packet;
-  const uint32_t count = fill(origin_, mask_, x, y, z, contribution, packet, traced);
+  const uint32_t count = fill(origin_, kind_.mask, x, y, z, contribution, packet, traced);
   if (count == 0 || !usable_) return 0;
   alignas(64) float transmittance[kPacket];
-  if (geometry_.has_transparency()) prepare(packet, transmittance);
-  embree::occluded16(traced, geometry_.embree_scene(), packet, &geometry_, transmittance);
+  uint8_t channels[kPacket];
+  if (geometry_.has_transparency()) {
+    prepare(packet, transmittance);
+    std::fill_n(channels, kPacket, kind_.channel);
+  }
+  embree::occluded16(traced, geometry_.embree_scene(), packet, &geometry_, transmittance, channels);
   clear_hidden(packet.tfar, contribution);
   if (geometry_.has_transparency())
     for (uint32_t i = 0; i < kPacket; ++i) contribution[i] *= transmittance[i];
   return count;
 }
 
-void ShadowQueue::add(const SurfacePoint& surface, const Vec3f& to_light, RayMask mask, uint8_t& visible) {
+void ShadowQueue::add(const SurfacePoint& surface, const Vec3f& to_light, ShadowKind kind, uint8_t& visible) {
   visible = 0;
   const bool front = dot(Vec3f(surface.geometric_normal), to_light) >= 0;
   const ShadowSide start = side(surface, front ? 1 : -1);
@@ -104,9 +109,10 @@ void ShadowQueue::add(const SurfacePoint& surface, const Vec3f& to_light, RayMas
   packet_.org_x[i] = start.origin.x, packet_.org_y[i] = start.origin.y, packet_.org_z[i] = start.origin.z;
   packet_.dir_x[i] = direction.x, packet_.dir_y[i] = direction.y, packet_.dir_z[i] = direction.z;
   packet_.tnear[i] = 0, packet_.tfar[i] = kReach / shrink, packet_.time[i] = float(surface.time),
-  packet_.mask[i] = mask;
+  packet_.mask[i] = kind.mask;
   valid_[i] = -1;
   results_[i] = &visible;
+  channels_[i] = kind.channel;
   if (count_ == kPacket) flush();
 }
 
@@ -114,7 +120,7 @@ void ShadowQueue::flush() {
   if (!count_) return;
   alignas(64) float transmittance[kPacket];
   prepare(packet_, transmittance);
-  embree::occluded16(valid_, geometry_.embree_scene(), packet_, &geometry_, transmittance);
+  embree::occluded16(valid_, geometry_.embree_scene(), packet_, &geometry_, transmittance, channels_);
   for (uint32_t i = 0; i < count_; ++i) {
     *results_[i] = packet_.tfar[i] >= 0 && (transmittance[i] == 1 || draw(packet_, i) < transmittance[i]);
     valid_[i] = 0;

@@ -23,7 +23,7 @@ struct ShadowOrigin {
 /// Shadow rays from one shading point, of a kind.
 class ShadowRays {
  public:
-  ShadowRays(const Geometry& geometry, const SurfacePoint& surface, RayMask mask = kShadowRay);
+  ShadowRays(const Geometry& geometry, const SurfacePoint& surface, ShadowKind kind = {});
 
   /// Traces rays to those of kPacket points whose contribution is positive, and sets the contribution of each
   /// that something hides to zero; transparent surfaces leave a part of it. x, y, z: from the shading point
@@ -34,7 +34,7 @@ class ShadowRays {
  private:
   const Geometry& geometry_;
   ShadowOrigin origin_;
-  RayMask mask_;
+  ShadowKind kind_;
   bool usable_;
 };
 
@@ -46,7 +46,7 @@ class ShadowQueue {
   /// A ray from a surface point along `to_light`, which ends on the luminaire. `visible` is set to 1 or 0 at
   /// the latest by flush(), and must live until then. Behind transparent surfaces it is 1 with the share of
   /// the light that they leave as probability, drawn by the ray alone.
-  void add(const SurfacePoint& surface, const Vec3f& to_light, RayMask mask, uint8_t& visible);
+  void add(const SurfacePoint& surface, const Vec3f& to_light, ShadowKind kind, uint8_t& visible);
   void flush();
 
   uint64_t traced() const { return traced_; }
@@ -56,6 +56,7 @@ class ShadowQueue {
   alignas(64) RTCRay16 packet_;
   alignas(64) int valid_[kPacket] = {};
   uint8_t* results_[kPacket];
+  uint8_t channels_[kPacket];
   uint32_t count_ = 0;
   uint64_t traced_ = 0;
 };

@@ -4,10 +4,12 @@
 
 namespace penumbra {
 
-double Geometry::transparency(const Ray& ray, const Hit& hit) const {
+double Geometry::transparency(const Ray& ray, const Hit& hit, uint8_t channel) const {
   SurfacePoint surface;
   surface_point(ray, hit, surface);
-  return opacity_->may_be_transparent(surface.material) ? opacity_->transparency(surface, ray.direction) : 0;
+  return opacity_->may_be_transparent(surface.material)
+             ? opacity_->transparency(surface, ray.direction, channel)
+             : 0;
 }
 
 void Geometry::filter_shadow_rays(const RTCFilterFunctionNArguments* arguments) {
@@ -28,8 +30,9 @@ void Geometry::filter_shadow_rays(const RTCFilterFunctionNArguments* arguments) 
     const Hit hit{instance != RTC_INVALID_GEOMETRY_ID ? instance : RTCHitN_geomID(arguments->hit, n, i),
                   RTCHitN_primID(arguments->hit, n, i), RTCHitN_u(arguments->hit, n, i),
                   double(RTCRayN_tfar(rays, n, i))};
-    float& left = transmittance[RTCRayN_id(rays, n, i)];
-    left *= float(geometry.transparency(ray, hit));
+    const unsigned id = RTCRayN_id(rays, n, i);
+    float& left = transmittance[id];
+    left *= float(geometry.transparency(ray, hit, context.channels[id]));
     if (left > 0) arguments->valid[i] = 0;  // goes on
   }
 }

@@ -86,6 +86,9 @@ class Shaders:
         self.program.add_closure("emission", self.program.multiply(self._coloured(place, weight), strength))
 
     def _transparent(self, place: Place, weight: int) -> None:
+        colour = self.program.known(self.compiler.value(place, "Color"))
+        if colour is None or len(set(colour)) > 1:
+            self.program.grey_transparency = False
         self.program.add_closure("transparent", self._coloured(place, weight))
 
     def _holdout(self, place: Place, weight: int) -> None:

@@ -15,6 +15,8 @@ class Program:
         self.tables: list[float] = []
         self.closures: list[tuple[str, int, int, int, int]] = []
         self.normal = 0
+        self.grey_transparency = True
+        """What the transparent closures let through is the same for red, green and blue."""
         self._constants: dict[tuple[float, float, float], int] = {EMPTY: 0}
         self._known: dict[int, tuple[float, float, float]] = {0: EMPTY}
         self._done: dict[tuple, int] = {}
