@@ -91,6 +91,7 @@ class Geometry {
   };
 
   void clean(std::vector<Mesh>& meshes, const std::vector<uint32_t>& users);
+  void note_what_rounding_loses(const std::vector<Instance>& instances, const std::vector<Box>& boxes);
   std::shared_ptr<const PlacedMesh> place_shared(Mesh& mesh, const Box& box, bool may_be_transparent) const;
   RTCGeometry make_instance(PlacedInstance& placed, const PlacedMesh& mesh, const Box& box) const;
   double transparency(const Ray& ray, const Hit& hit, uint8_t channel) const;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Placing a scene's meshes in render space and building Embree's BVH over them.
+#include <algorithm>
 #include <cmath>
+#include <sstream>
 #include <stdexcept>
 
 #include "visibility/geometry.h"
@@ -83,14 +85,18 @@ Geometry::Geometry(std::vector<Mesh> meshes, std::vector<Instance> instances, ui
   std::vector<Box> mesh_boxes;
   for (const Mesh& mesh : meshes) mesh_boxes.push_back(mesh.kept ? mesh.kept->box() : bounds_of(mesh));
   std::vector<bool> moves(meshes.size(), false);
+  std::vector<Box> boxes;
   for (const Instance& instance : instances) {
-    world.include(transformed(mesh_boxes[instance.mesh], instance.world_from_object));
-    for (const Affine& pose : instance.motion) world.include(transformed(mesh_boxes[instance.mesh], pose));
+    Box box = transformed(mesh_boxes[instance.mesh], instance.world_from_object);
+    for (const Affine& pose : instance.motion) box.include(transformed(mesh_boxes[instance.mesh], pose));
+    world.include(box);
+    boxes.push_back(box);
     if (!instance.motion.empty()) moves[instance.mesh] = true;
   }
   if (!world.empty()) normalization_ = {world.centre(), unit_scale(world)};
   if (!is_finite(normalization_.centre) || !std::isfinite(normalization_.scale) || normalization_.scale == 0)
     throw std::invalid_argument("the scene's extent is not finite");
+  note_what_rounding_loses(instances, boxes);
 
   scene_.reset(rtcNewScene(device_->device.get()));
   rtcSetSceneFlags(scene_.get(), RTC_SCENE_FLAG_ROBUST);
@@ -162,6 +168,30 @@ Geometry::Geometry(std::vector<Mesh> meshes, std::vector<Instance> instances, ui
   meshes.shrink_to_fit();
   rtcCommitScene(scene_.get());
   device_->check_build("the whole scene");
+}
+
+/// A stray object can make the scene so large that single precision knows nothing of the others' shapes.
+void Geometry::note_what_rounding_loses(const std::vector<Instance>& instances,
+                                        const std::vector<Box>& boxes) {
+  constexpr double kLost = 1e-6, kLeastSize = 4e-6;  // of the scene's extent; the README's limits
+  std::vector<double> sizes;
+  double reach = 0;
+  size_t farthest = 0;
+  for (const Box& box : boxes)
+    if (!box.empty() && max_abs(box.extent()) > 0) sizes.push_back(max_abs(box.extent()));
+  if (sizes.empty()) return;
+  std::nth_element(sizes.begin(), sizes.begin() + std::ptrdiff_t(sizes.size() / 2), sizes.end());
+  const double size = sizes[sizes.size() / 2], extent = 1 / normalization_.scale;
+  if (size >= kLeastSize * extent) return;
+  for (size_t i = 0; i < boxes.size(); ++i) {
+    if (boxes[i].empty()) continue;
+    const double far = std::max(max_abs(boxes[i].low), max_abs(boxes[i].high));
+    if (far > reach) reach = far, farthest = i;
+  }
+  std::ostringstream text;
+  text << "'" << instances[farthest].name << "' reaches so far (" << reach
+       << " m) that shapes and gaps of other objects below " << kLost * extent << " m are lost";
+  notes_.push_back(text.str());
 }
 
 /// A mesh that is placed by instances of its own BVH.

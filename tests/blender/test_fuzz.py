@@ -103,12 +103,17 @@ def test_random_node_trees(small):
 
 def random_object(scene, random, i: int) -> None:
     place = {key: [number(random) for _ in range(3)] for key in ("location", "rotation", "scale")}
-    kind = random.integers(7)
+    kind = random.integers(8)
     if kind == 6:
         glowing = add_cube(scene, f"Glowing {i}", **place)
         glowing.data.materials.append(
             emissive_material(f"Glow {i}", [number(random) for _ in range(3)], number(random))
         )
+    elif kind == 7:
+        carpet = add_plane(scene, f"Carpet {i}", **place)
+        hair = carpet.modifiers.new("Hair", "PARTICLE_SYSTEM").particle_system.settings
+        hair.type, hair.count, hair.hair_length = "HAIR", int(random.integers(20)), abs(number(random))
+        hair.root_radius, hair.tip_radius, hair.radius_scale = (abs(number(random)) for _ in range(3))
     elif kind == 0:
         add_cube(scene, f"Cube {i}", **place)
     elif kind == 1:
@@ -136,6 +141,19 @@ def random_object(scene, random, i: int) -> None:
         modifier = cube.modifiers.new("Any", str(random.choice(["BEVEL", "SUBSURF", "MIRROR", "SOLIDIFY", "ARRAY"])))
         if hasattr(modifier, "thickness"):
             modifier.thickness = number(random)
+
+
+def add_motion(scene, random) -> None:
+    """The frame is in the middle of what some objects do."""
+    scene.render.use_motion_blur, scene.render.motion_blur_shutter = True, abs(number(random))
+    for moved in scene.objects:
+        if random.random() < 0.5:
+            continue
+        for frame in (0, 2):
+            for path in ("location", "rotation_euler", "scale"):
+                setattr(moved, path, [number(random) for _ in range(3)])
+                moved.keyframe_insert(path, frame=frame)
+    scene.frame_set(1)
 
 
 def random_world(random):
@@ -166,6 +184,10 @@ def test_random_scenes(small):
         camera = add_camera(small, location=(0, 0, 6), type=str(random.choice(["PERSP", "ORTHO"])))
         if random.random() < 0.2:
             camera.location.x = number(random)
+            camera.data.dof.use_dof = True
+            camera.data.dof.aperture_fstop, camera.data.dof.focus_distance = number(random), number(random)
+        if random.random() < 0.3:
+            add_motion(small, random)
         small.world = random_world(random)
         small.penumbra.stop_rule = str(random.choice(rules))
         small.penumbra.max_light_samples = 64
@@ -174,4 +196,5 @@ def test_random_scenes(small):
         assert_renders_or_refuses(small, seed)
         for made in list(small.objects):
             bpy.data.objects.remove(made)
+        small.render.use_motion_blur = False
         bpy.data.orphans_purge()

@@ -42,6 +42,24 @@ def test_d39_singular_instances_are_counted_and_named(shared):
     assert picture.statistics["warnings"] == [text + (" and 2 more" if shared else "")]
 
 
+@pytest.mark.parametrize("distance", [1e3, 1e5, 1e8, 1e12, 1e30])
+def test_c34_a_stray_object_that_makes_the_scene_too_large_is_named(distance):
+    """Up to 1e5 m the picture is as without it; what is beyond takes the others' shapes, and says so."""
+    scene = lit_floor()
+    add(scene, "ball", box([-0.3, -0.3, 0], [0.3, 0.3, 0.6]))
+    plain = render(scene, 12, **FIXED).red
+    scene = lit_floor()
+    add(scene, "ball", box([-0.3, -0.3, 0], [0.3, 0.3, 0.6]))
+    add(scene, "stray", box([-0.3, -0.3, 0], [0.3, 0.3, 0.6]), translation(0, distance, 0))
+    picture = render(scene, 12, **FIXED)
+    notes = picture.statistics["warnings"]
+    if distance <= 1e5:
+        assert notes == [] and (np.abs(picture.red - plain) > 0.02 * plain.max()).mean() < 0.02
+    else:
+        (note,) = notes
+        assert note.startswith("'stray' reaches so far (") and note.endswith(" m are lost")
+
+
 def test_d39_negative_determinant():
     """A mirrored box is lit like the plain one: both are symmetric."""
 
