@@ -38,6 +38,9 @@ NORMAL_MAP_BENDS_COLOUR = bpy.app.version >= (4, 3, 0)
 DIFFUSE_NORMALS_REFLECT = bpy.app.version < (4, 3, 0)
 """Every bumped normal is bent until the viewer's mirror direction leaves the surface; later for glossy shaders only."""
 
+BUMPS_ARE_FACETS = bpy.app.version >= (4, 5, 0)
+"""How light fades where a diffuse surface is bumped: Conty et al. 2019 since Blender 4.5, before Chiang et al. 2019."""
+
 RAMP_TABLE_SIZE = 257 if bpy.app.version >= (4, 0, 0) else 256
 """Places at which Cycles evaluates ramps and curves (measured in 3.4.1, 4.3.2 and 5.2.2)."""
 
@@ -52,6 +55,10 @@ SHORT_PASS_NAMES = {
     "Glossy Indirect": "GlossInd", "Glossy Color": "GlossCol", "Emission": "Emit", "Environment": "Env",
     "Object Index": "IndexOB", "Material Index": "IndexMA",
 }  # fmt: skip
+
+PREMULTIPLIED_IS_DIVIDED = bpy.app.version >= (5, 0, 0)
+"""An image of 8 bits whose alpha is said to be premultiplied is divided by it (seen in 5.2); before that it is read as
+one with straight alpha."""
 
 FILE_PATH_OPTIONS = (
     {"PATH_SUPPORTS_BLEND_RELATIVE"}

@@ -167,6 +167,7 @@ Closures Materials::evaluate(const Program& program, SurfacePoint& surface, cons
     const bool usable = is_finite(wanted) && max_abs(wanted) > 0;
     if (usable && !(wanted == machine.normal)) {
       result.bumped = true;
+      result.facet_bumps = program.facet_bumps;
       result.smooth_normal = machine.normal;
       surface.normal = Vec3d(wanted);
     }

@@ -120,6 +120,13 @@ float bump_shadowing(const Vec3f& smooth, const Vec3f& bumped, const Vec3f& to_l
   return g >= 1 ? 1 : g < 0 ? 0 : g + g * g - g * g * g;
 }
 
+float facet_bump_shadowing(const Vec3f& smooth, const Vec3f& bumped, const Vec3f& to_light) {
+  const float cosine = dot(smooth, to_light), deviation = dot(smooth, bumped);
+  if (cosine * deviation <= 0) return 0;  // the light is at the surface's other side
+  const float alpha_squared = std::clamp(0.125f * (1 / square(deviation) - 1), 0.0f, 1.0f);
+  return std::min(masking(alpha_squared, std::abs(cosine)), 1.0f);
+}
+
 Vec3f oren_nayar_edge(const Vec3f& colour, const Vec3f& albedo, float roughness) {
   const float mean = OrenNayar(roughness).mean_albedo(), lost = 1 - mean;
   const auto factor = [&](float c) {
@@ -136,9 +143,10 @@ LobeValue evaluate_lobe(const Lobe& lobe, const ShadingPoint& point, const Vec3f
   const float cos_light = dot(point.normal, to_light), cos_view = dot(point.normal, point.view);
   // A bumped diffuse surface is lit where its normal looks away from the viewer, too.
   if (cos_light <= 0 || (cos_view <= 0 && !is_diffuse(lobe.kind))) return {0, 0};
-  const float bump = is_diffuse(lobe.kind) && point.material.bumped
-                         ? bump_shadowing(point.material.smooth_normal, point.normal, to_light)
-                         : 1.0f;
+  const Closures& m = point.material;
+  float bump = 1;
+  if (is_diffuse(lobe.kind) && m.bumped)
+    bump = (m.facet_bumps ? facet_bump_shadowing : bump_shadowing)(m.smooth_normal, point.normal, to_light);
   const float view_light = dot(point.view, to_light);
   const Vec3f half = normalize(point.view + to_light);
   const float cos_half = dot(point.normal, half), cos_difference = dot(to_light, half);

@@ -30,8 +30,11 @@ float fresnel_dielectric(float cosine, float ior);
 /// approximation.
 float fresnel_edge(float cosine, float ior);
 
-/// Share of a bumped surface's light that its smooth normal lets pass (Chiang et al. 2019, "Taming the shadow
-/// terminator").
+/// Share of a bumped surface's light that its smooth normal lets pass: Chiang, Li and Burley 2019, "Taming
+/// the shadow terminator".
 float bump_shadowing(const Vec3f& smooth, const Vec3f& bumped, const Vec3f& to_light);
+/// Likewise, for bumps as facets: Conty, Lecocq and Stein 2019, "A microfacet-based shadowing function to
+/// solve the bump terminator problem".
+float facet_bump_shadowing(const Vec3f& smooth, const Vec3f& bumped, const Vec3f& to_light);
 
 }  // namespace penumbra

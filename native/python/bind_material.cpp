@@ -107,10 +107,12 @@ MaybeColor emission_of_program(const std::string& name, const FloatArray& regist
 
 uint32_t add_program(PythonScene& self, const std::string& name, const FloatArray& registers,
                      const std::vector<PythonOperation>& operations, const FloatArray& tables,
-                     const std::vector<PythonClosure>& closures, int normal, bool grey_transparency) {
+                     const std::vector<PythonClosure>& closures, int normal, bool grey_transparency,
+                     bool facet_bumps) {
   Program program =
       read_program(name, registers, operations, tables, closures, normal, self.scene->images().size());
   program.grey_transparency = grey_transparency;
+  program.facet_bumps = facet_bumps;
   Material material;
   if (is_constant(program)) {
     static_cast<Closures&>(material) = constant_closures(program);
@@ -183,13 +185,14 @@ void bind_material(py::module_& module, py::class_<PythonScene>& scene) {
   scene
       .def("add_program", &add_program, py::arg("name"), py::arg("registers"), py::arg("operations"),
            py::arg("tables"), py::arg("closures"), py::arg("normal") = 0,
-           py::arg("grey_transparency") = false,
+           py::arg("grey_transparency") = false, py::arg("facet_bumps") = false,
            R"(Adds a material that is computed at each surface point; returns its number.
 
 registers: (R, 3) float32, the initial values; number 0 is zero. operations: (name, out, inputs, shift, data), each writing
 the registers out and out + 1. closures: (kind, colour, edge, ior, roughness), numbers of registers. normal: register of the
 shading normal, 0 for the surface's own. grey_transparency: what goes through is the same for red, green and blue, so that
-its shadows need not be traced for each of them. What does not vary is computed here, once.)")
+its shadows need not be traced for each of them. facet_bumps: diffuse light fades on bumps as Conty et al. 2019 have it, not
+Chiang et al. 2019. What does not vary is computed here, once.)")
       .def(
           "emission_of",
           [](const PythonScene& self, uint32_t material) -> MaybeColor {

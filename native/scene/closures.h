@@ -47,6 +47,7 @@ struct Closures {
   double holdout = 0;   // share of the pixel that becomes a hole in the film
   Vec3f smooth_normal;  // where `bumped`: the normal before the bump
   bool bumped = false;
+  bool facet_bumps = false;  // which shadowing of bumps (lobes.h): Conty's if true, Chiang's if not
 
   static constexpr uint32_t kMaxLobes = 8;
   bool has_diffuse_lobes = false, has_glossy_lobes = false;

@@ -148,8 +148,12 @@ class Materials:
         program = compiler.program
         if not np.isfinite(program.arrays()["registers"]).all():
             raise ExportError(f"material {material.name!r}: a value of its nodes is not a finite number")
-        number = self._scene.add_program(material.name, **program.arrays(),
-                                         grey_transparency=program.grey_transparency)  # fmt: skip
+        number = self._scene.add_program(
+            material.name,
+            **program.arrays(),
+            grey_transparency=program.grey_transparency,
+            facet_bumps=compat.BUMPS_ARE_FACETS,
+        )
         if sum(kind not in NOT_REFLECTING for kind, *_ in program.closures) > self._module.MAX_LOBES:
             issues.append(f"only the first {self._module.MAX_LOBES} of its shaders reflect light")
         return Exported(number, frozenset(o[4] for o in program.operations if o[0] == "attribute"))

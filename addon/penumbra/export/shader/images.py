@@ -7,6 +7,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 
+from ... import compat
 from .compiler import UnsupportedNode
 
 LINEAR_SPACES = {"Linear", "Linear Rec.709", "Non-Color", "Raw", "Generic Data", "scene_linear"}
@@ -62,6 +63,8 @@ class Images:
             except ValueError as problem:
                 issues.append(f"image {image.name!r}: {problem}; rendered in magenta")
                 return None
+            if compat.PREMULTIPLIED_IS_DIVIDED and image.alpha_mode == "PREMUL" and not image.is_float:
+                issues.append(f"image {image.name!r}: premultiplied alpha is not supported yet and read as straight")
             self._ids[key] = self._scene.add_image(
                 f"material {material_name!r}: node {node.name!r}: image {image.name!r}",
                 files,
