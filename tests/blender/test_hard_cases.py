@@ -320,6 +320,33 @@ def test_d43_shaders_that_are_added_to_themselves(lit_scene):
     fails(lit_scene, "material 'Doubled for ever': its nodes join shaders in more than 2048 ways")
 
 
+@pytest.mark.parametrize("into", ["ShaderNodeMixShader", "ShaderNodeBsdfDiffuse"])
+def test_d43_a_colour_for_a_number_and_a_number_for_a_colour(lit_scene, into):
+    """Blender converts: the mean by luminance, and grey. As with plain values; fuzzing found an internal failure."""
+    pictures = []
+    for linked in (False, True):
+        tree, surface = shaders(lit_scene, f"Converted {linked}")
+        diffuse = tree.nodes.new("ShaderNodeBsdfDiffuse")
+        diffuse.inputs["Color"].default_value = (0.3, 0.3, 0.3, 1)
+        tree.links.new(diffuse.outputs[0], surface)
+        source = tree.nodes.new("ShaderNodeRGB" if into == "ShaderNodeMixShader" else "ShaderNodeValue").outputs[0]
+        source.default_value = (0.3, 0.3, 0.3, 1) if into == "ShaderNodeMixShader" else 0.3
+        if into == "ShaderNodeMixShader":
+            mix, black = tree.nodes.new(into), tree.nodes.new("ShaderNodeBsdfDiffuse")
+            black.inputs["Color"].default_value = (0, 0, 0, 1)
+            mix.inputs[0].default_value = 0.3
+            for a, b in ((black.outputs[0], mix.inputs[1]), (diffuse.outputs[0], mix.inputs[2])):
+                tree.links.new(a, b)
+            tree.links.new(mix.outputs[0], surface)
+        if linked:
+            tree.links.new(source, (mix if into == "ShaderNodeMixShader" else diffuse).inputs[0])
+        pictures.append(render_pixels(lit_scene)["Combined"])
+        for made in [one for one in lit_scene.objects if one.type == "MESH"]:
+            bpy.data.objects.remove(made)
+    np.testing.assert_allclose(pictures[1], pictures[0], rtol=1e-5)
+    assert pictures[0][..., 0].max() > 0
+
+
 def test_d43_nodes_in_a_long_row(lit_scene):
     """Longer than Python's stack."""
     tree, surface = shaders(lit_scene, "Row")

@@ -53,13 +53,17 @@ def phong_exponent(roughness: float) -> float | None:
 
 
 def constant(socket):
-    """A socket's value, its own or that of an RGB or Value node; NotThePapers if something else is linked to it."""
+    """A socket's value, its own or that of an RGB or Value node; NotThePapers if something else is linked to it, or a
+    colour to a number or the other way round."""
     node = node_at(socket)
     if node is None:
         return socket.default_value
     if node.bl_idname not in ("ShaderNodeRGB", "ShaderNodeValue") or node.mute:
         raise NotThePapers
-    return node.outputs[0].default_value
+    value = node.outputs[0].default_value
+    if np.shape(value) != np.shape(socket.default_value):
+        raise NotThePapers
+    return value
 
 
 def node_at(socket):

@@ -78,10 +78,10 @@ def export(native_scene, depsgraph, camera_object, notes: Notes, motion=None) ->
     data = camera.data
     if data.type not in KINDS:
         raise ExportError(f"{name}: {data.type.lower()} cameras are not supported, only perspective and orthographic")
-    world_from_camera, window = pose_of(camera, depsgraph)
     clip = data.clip_start, data.clip_end
     if not 0 <= clip[0] < clip[1]:
         raise ExportError(f"{name}: clip start {clip[0]:g} m is not below clip end {clip[1]:g} m")
+    world_from_camera, window = pose_of(camera, depsgraph)
     aperture = aperture_of(camera)
     if aperture and scene.penumbra.pixel_samples == 1:
         notes.add(f"{name}: with one ray a pixel (pixel_samples 1) there is no depth of field: it is a pinhole")
