@@ -201,6 +201,16 @@ def test_d39_scale_zero_is_counted_and_named(lit_scene):
     assert "1 objects whose scale is zero in some direction were left out: 'Flat'" in notes
 
 
+def test_d39_hair_on_an_object_of_scale_zero_is_named(lit_scene):
+    """Found by fuzzing: an internal failure."""
+    add_plane(lit_scene, size=20)
+    fur = add_plane(lit_scene, "Fur", scale=(1, 0, 1)).modifiers.new("Hair", "PARTICLE_SYSTEM").particle_system.settings
+    fur.type, fur.count = "HAIR", 10
+    assert np.isfinite(render_pixels(lit_scene)["Combined"]).all()
+    notes = statistics.last_render["warnings"]
+    assert "object 'Fur': its scale is zero in some direction, so it has no hair" in notes
+
+
 def test_d45_an_empty_border(lit_scene):
     """Blender refuses it before the engine is asked."""
     render = lit_scene.render

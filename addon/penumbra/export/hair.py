@@ -121,7 +121,11 @@ class Hair:
         systems = hair_systems(emitter)
         if not systems:
             return
-        to_object = np.linalg.inv(np.array(emitter.matrix_world, dtype=np.float64))
+        try:
+            to_object = np.linalg.inv(np.array(emitter.matrix_world, dtype=np.float64))
+        except np.linalg.LinAlgError:
+            self._notes.add(f"object {emitter.name!r}: its scale is zero in some direction, so it has no hair")
+            return
         self._add(instance, emitter.original.as_pointer(),
                   lambda: filter(None, (read_particles(emitter, system, to_object) for system in systems)),
                   motion)  # fmt: skip
