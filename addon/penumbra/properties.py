@@ -177,7 +177,7 @@ def value_of(settings, name: str):
 
 def unknown_choices(settings) -> list[str]:
     """Names of the settings whose choice this version of Penumbra does not know."""
-    names = [name for name in settings.__annotations__ if settings.bl_rna.properties[name].type == "ENUM"]
+    names = [name for name in type(settings).__annotations__ if settings.bl_rna.properties[name].type == "ENUM"]
     return [name for name in names if value_of(settings, name) != getattr(settings, name)]
 
 

@@ -86,6 +86,12 @@ def render_pixels(scene, engine: str = "PENUMBRA", lambertian: bool = True) -> d
         return read_exr(path)
 
 
+def set_raw(settings, name: str, value) -> None:
+    """What a file may hold, made by another version of Penumbra or by hand, though no panel takes it."""
+    get = getattr(settings, "bl_system_properties_get", None)  # Blender 5.0+
+    (get(do_create=True) if get else settings)[name] = value
+
+
 def use_cycles_as_reference(scene, samples: int = 64) -> None:
     """The settings under which a picture of Cycles may be compared with ours (docs: "Cycles" in a comparison)."""
     cycles = scene.cycles

@@ -18,6 +18,7 @@ from helpers import (
     emissive_material,
     link,
     render_pixels,
+    set_raw,
 )
 from penumbra import native, statistics
 
@@ -380,7 +381,7 @@ def test_d43_nodes_in_a_long_row(lit_scene):
 def test_d46_settings_of_a_hostile_file(lit_scene, name, value):
     """What a .blend can hold though no panel takes it: an error that names the setting. A choice of another version of
     Penumbra is none: it falls back to the default."""
-    lit_scene["penumbra"][name] = value
+    set_raw(lit_scene.penumbra, name, value)
     if lit_scene.penumbra.stop_rule == "BOUNDED" and name in ("light_samples", "check_interval"):
         lit_scene.penumbra.stop_rule = "PAPER" if name == "check_interval" else "FIXED"
     fails(lit_scene, name)
