@@ -104,16 +104,25 @@ void BlockLight::find_items() {
   items_.reserve(points_.size());
   for (uint32_t l = 0; l < luminaires_.size(); ++l) {
     const Luminaire& luminaire = luminaires_[l];
-    for (uint32_t p = 0; p < points_.size(); ++p) {
-      tally_.stop_if_cancelled();
-      const LitPoint& lit = points_[p];
-      const double form_factor = luminaire.form_factor(lit.surface);
-      if (form_factor <= 0) {
-        tally_.decided_without_ray += in_core(lit.pixel, 0);
-        continue;
+    for (uint32_t begin = 0; begin < points_.size(); begin += kBatch) {
+      const uint32_t end = std::min(begin + kBatch, uint32_t(points_.size()));
+      SurfaceColumns columns;
+      for (uint32_t p = begin; p < end; ++p) columns.add(points_[p].surface);
+      alignas(64) double form_factors[kBatch];
+      if (luminaire.shares_sums())  // with what a border cuts off, too
+        for (uint32_t p = begin; p < end; ++p)
+          form_factors[p - begin] = luminaire.form_factor(points_[p].surface);
+      else
+        luminaire.form_factors(columns, form_factors);
+      for (uint32_t p = begin; p < end; ++p) {
+        tally_.stop_if_cancelled();
+        if (form_factors[p - begin] <= 0) {
+          tally_.decided_without_ray += in_core(points_[p].pixel, 0);
+          continue;
+        }
+        const BoundedItem item = item_sampler_.make(p, l, form_factors[p - begin]);
+        if (item.size() > 0) items_.push_back(item);
       }
-      const BoundedItem item = item_sampler_.make(p, l, form_factor);
-      if (item.size() > 0) items_.push_back(item);
     }
   }
   const auto before = [this](const BoundedItem& a, const BoundedItem& b) { return slot(a) < slot(b); };

@@ -24,6 +24,7 @@ inline constexpr uint32_t kTile = 8;
 
 /// A surface point that a pixel sees, directly or in mirrors.
 struct LitPoint {
+  LitPoint() {}  // without zeroing what its maker writes
   SurfacePoint surface;
   Vec3d ray_direction;  // of the ray that found it
   const Closures* material;

@@ -16,6 +16,7 @@ class LightGroup final : public Emitter {
   double form_factor(const SurfacePoint& surface) const override;
   /// Surface points near one another share a sum over the elements.
   void form_factors(const SurfaceColumns& surfaces, double* out) const override;
+  bool shares_sums() const override { return true; }
   /// u goes through the tree's order, where near numbers are near in space. From far elements are chosen by
   /// their power, else by what they would send to the surface point, so that all points count nearly the same
   /// however much nearer one of them is.

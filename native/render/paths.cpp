@@ -95,8 +95,12 @@ void PathTracer::see_luminaires(const Part& part, double t_far, PathEnd& end,
 void PathTracer::follow(const Ray& ray, const Hit& hit, uint32_t pixel, uint64_t stream,
                         std::vector<LitPoint>& points, uint64_t& mirror_rays, PathEnd& end,
                         const PathRecord* record) const {
-  end = PathEnd{};
+  // Field by field: `first` is nothing without a hit.
+  end.background = {};
   end.alpha = 1;
+  end.lights = 0;
+  end.hit = false;
+  end.object = nullptr;
   const bool perspective = scene_.camera().kind == CameraKind::kPerspective;
   const double scale = geometry_.normalization().scale;
   uint32_t lit = 0, rays = 0;

@@ -18,19 +18,20 @@ struct Attribute {
       corners;  // three a triangle; a component that is missing is 0, a fourth 1
 };
 
-/// Where on which mesh a surface point lies, as materials see it. Of the geometry that found the point.
+/// Where on which mesh a surface point lies, as materials see it. Of the geometry that found the point, which
+/// writes all of it: zeroing it first would be a tenth of what following a ray takes.
 struct SurfacePlace {
-  const std::vector<Attribute>* attributes = nullptr;
-  const Normalization* normalization = nullptr;
-  const Affine* render_from_object = nullptr;
-  const Affine* render_from_mesh = nullptr;  // from the space of the edges
-  Vec3d edge1, edge2;                        // of the triangle
-  uint32_t triangle = 0;
-  double u = 0, v = 0;  // barycentric weights of its second and third corner
-  bool backfacing = false;
+  const std::vector<Attribute>* attributes;
+  const Normalization* normalization;
+  const Affine* render_from_object;
+  const Affine* render_from_mesh;  // from the space of the edges
+  Vec3d edge1, edge2;              // of the triangle
+  uint32_t triangle;
+  double u, v;  // barycentric weights of its second and third corner
+  bool backfacing;
   // Of an instance that moves: transforms at evenly spaced times, empty where it stands still.
-  const std::vector<Affine>*object_motion = nullptr, *mesh_motion = nullptr;
-  double time = 0.5;
+  const std::vector<Affine>*object_motion, *mesh_motion;
+  double time;
 
   Affine render_from_object_now() const { return now(object_motion, *render_from_object); }
   Affine render_from_mesh_now() const { return now(mesh_motion, *render_from_mesh); }

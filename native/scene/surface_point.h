@@ -15,7 +15,7 @@ struct SurfacePoint {
   double t;                        // along the ray that found it
   double rounding;                 // how far from the surface a ray must start in order not to meet it again
   uint32_t material;
-  SurfacePlace place = {};
+  SurfacePlace place;
   uint32_t receiver_set = 0;  // of its instance
   double time = 0.5;          // of the shutter, as the ray's
 };

@@ -133,17 +133,14 @@ void Geometry::surface_point(const Ray& ray, const Hit& hit, SurfacePoint& s) co
   const Barycentric h = intersect_plane(origin, direction, a, edge1, edge2);
 
   s.t = h.t;
-  const Vec3d in_mesh = a + edge1 * h.u + edge2 * h.v;
-  Vec3d geometric = cross(edge1, edge2);
+  Vec3d position = a + edge1 * h.u + edge2 * h.v, geometric = cross(edge1, edge2);
   if (instance.shared) {
-    s.position = render_from_mesh.point(in_mesh);
+    position = render_from_mesh.point(position);
     geometric = render_from_mesh.normal(geometric);
-  } else {
-    s.position = in_mesh;
   }
   // The cofactor matrix turns normals with the determinant's sign; outward stays outward.
-  s.geometric_normal = normalize(geometric) * instance.orientation;
-  s.normal = s.geometric_normal;
+  geometric = normalize(geometric) * instance.orientation;
+  Vec3d normal = geometric;
   if (!mesh.corner_normals.empty()) {
     const size_t n = 3 * size_t(hit.triangle);
     Vec3d interpolated = mesh.corner_normal(n, ray.time) * (1 - h.u - h.v) +
@@ -151,9 +148,15 @@ void Geometry::surface_point(const Ray& ray, const Hit& hit, SurfacePoint& s) co
                          mesh.corner_normal(n + 2, ray.time) * h.v;
     if (instance.shared) interpolated = render_from_object.normal(interpolated) * instance.orientation;
     const Vec3d smooth = normalize(interpolated);
-    if (is_finite(smooth) && dot(smooth, smooth) > 0) s.normal = smooth;
+    if (is_finite(smooth) && dot(smooth, smooth) > 0) normal = smooth;
   }
-  // Field by field: a copy of a whole place would wait for the stores of its parts.
+  const bool backfacing = dot(geometric, ray.direction) > 0;
+  const double side = backfacing ? -1 : 1;
+  // Field by field, from values in registers: what is read back right after it was stored in parts has to
+  // wait.
+  s.position = position;
+  s.geometric_normal = geometric * side;
+  s.normal = normal * side;
   s.place.attributes = &mesh.attributes;
   s.place.normalization = &normalization_;
   s.place.render_from_object = &instance.render_from_object;
@@ -166,14 +169,10 @@ void Geometry::surface_point(const Ray& ray, const Hit& hit, SurfacePoint& s) co
   s.place.triangle = hit.triangle;
   s.place.u = h.u;
   s.place.v = h.v;
-  s.place.backfacing = dot(s.geometric_normal, ray.direction) > 0;
-  if (s.place.backfacing) {
-    s.geometric_normal = -s.geometric_normal;
-    s.normal = -s.normal;
-  }
+  s.place.backfacing = backfacing;
 
   const double extent = instance.shared ? instance.extent : std::max(max_abs(edge1), max_abs(edge2));
-  s.rounding = kRelativeRounding * (max_abs(s.position) + extent);
+  s.rounding = kRelativeRounding * (max_abs(position) + extent);
   const uint32_t slot = mesh.material_slots.empty() ? 0 : mesh.material_slots[hit.triangle];
   s.material = instance.materials[std::min<size_t>(slot, instance.materials.size() - 1)];
   s.receiver_set = instance.receiver_set;

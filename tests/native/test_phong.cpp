@@ -16,7 +16,7 @@ using test::kPi;
 using test::Trials;
 
 SurfacePoint surface_with(const Vec3d& normal) {
-  return {{}, normal, normal, 0, 0, 0};
+  return {{}, normal, normal, 0, 0, 0, {}};
 }
 
 Closures phong_of(double exponent) {
@@ -105,7 +105,7 @@ TEST(Phong, IsReciprocal) {
 
 TEST(Phong, ReflectsAtTheInterpolatedNormal) {
   // The facet lies flat, its smooth normal leans by 0.2 rad: a ray from above leaves at 0.4.
-  const SurfacePoint surface{{}, {0, 0, 1}, {std::sin(0.2), 0, std::cos(0.2)}, 0, 0, 0};
+  const SurfacePoint surface{{}, {0, 0, 1}, {std::sin(0.2), 0, std::cos(0.2)}, 0, 0, 0, {}};
   const Closures material = phong_of(10);
   const Vec3d mirror = ShadingPoint(surface, material, {0, 0, -3}).mirror_direction;
   EXPECT_LE(max_abs(mirror - Vec3d{std::sin(0.4), 0, std::cos(0.4)}), 1e-15);
