@@ -171,6 +171,9 @@ void BlockLight::add_dropped_items() {
     PixelLight& light = out_[pixel(item)];
     light.radiance += item.unshadowed() * share;
     light.error += item.size() * share_deviation(share);
+    if (tally_.trace)
+      tally_.trace->add(pixel(item), {points_[item.point].bounce, item.luminaire, "too dim for a ray", 0,
+                                      item.unshadowed() * share});
     if (parts_)
       add_light(parts_->of(pixel(item)), luminaires_[item.luminaire], points_[item.point],
                 {item.diffuse * share, item.diffuse}, {item.phong * share, item.phong});
