@@ -46,6 +46,9 @@ std::vector<Vec3f> rounded(const std::vector<Vec3d>& positions, const Affine& tr
   return result;
 }
 
+/// Embree aborts at curves so small that the inverse of their extent is infinite. Far below what can be seen.
+constexpr double kLeastRadius = 1e-20;
+
 /// Radii grow with the third root of the volume, as in Cycles.
 std::vector<Key> rounded_keys(const std::vector<Vec3d>& positions, const std::vector<float>& radii,
                               const Affine& transform) {
@@ -54,7 +57,7 @@ std::vector<Key> rounded_keys(const std::vector<Vec3d>& positions, const std::ve
   result.reserve(positions.size());
   for (size_t i = 0; i < positions.size(); ++i) {
     const Vec3f p(transform.point(positions[i]));
-    result.push_back({p.x, p.y, p.z, float(radii[i] * scale)});
+    result.push_back({p.x, p.y, p.z, float(std::max(radii[i] * scale, kLeastRadius))});
   }
   return result;
 }

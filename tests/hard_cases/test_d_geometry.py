@@ -209,3 +209,16 @@ def test_d41_rays_longer_than_embree_takes(distance, rule):
         assert (picture.red[:, :2] > 0).all() and (picture.red[:, 6:] == 0).all()
     scene.set_camera("PERSPECTIVE", translation(0, 0, 1), (-distance, distance, -1, 1), (1e-30, 1e30))
     assert all(np.isfinite(values).all() for values in render(scene, 8, **rule).passes.values())
+
+
+@pytest.mark.parametrize("moves", [False, True])
+@pytest.mark.parametrize("scale", [1e-20, 1e-36, 1e-42, 1e-50])
+def test_d37_strands_too_small_for_single_precision(scale, moves):
+    """Embree aborts the process at curves below 1e-36 of the scene's size. Found by fuzzing. As without them."""
+    scene = lit_floor()
+    keys = np.array([[0, 0, 1], [0, 0.1, 1], [0, 0.2, 1.1], [0, 0.3, 1]]) * scale
+    motion = [keys, 0 * keys] if moves else []
+    hair = scene.add_curves("hair", keys, np.full(4, 0.01 * scale), np.array([4], np.int32), "RIBBON", motion=motion)
+    scene.add_instance("hair", hair, np.eye(4), [scene.add_material("grey", (0.5,) * 3)])
+    picture = render(scene, 8, **FIXED)
+    np.testing.assert_allclose(picture.red, render(lit_floor(), 8, **FIXED).red, rtol=1e-5)
