@@ -387,6 +387,17 @@ def test_d46_settings_of_a_hostile_file(lit_scene, name, value):
     fails(lit_scene, name)
 
 
+@pytest.mark.parametrize("name", ["stop_rule", "sampler", "sample_reuse", "filter_type"])
+@pytest.mark.parametrize("number", [-1, 99])
+def test_d46_choices_of_a_hostile_file_become_the_default(lit_scene, name, number):
+    """No error, since a later version may know them (test_interface.py has the note): the default's picture."""
+    add_plane(lit_scene, size=20)
+    expected = render_pixels(lit_scene)["Combined"]
+    get = getattr(lit_scene.penumbra, "bl_system_properties_get", None)  # Blender 5.0+
+    (get(do_create=True) if get else lit_scene.penumbra)[name] = number
+    assert (render_pixels(lit_scene)["Combined"] == expected).all()
+
+
 def png(width, height, body=b""):
     """A PNG file of that header, 8-bit RGB, whatever follows it."""
 

@@ -140,7 +140,7 @@ def test_a20_furnaces(name, furnace):
     """Light of radiance 1 from everywhere: a convex body sends back its albedo. BOUNDED exactly, but for a picture's 32
     pixels, each of them one direction; else within the claimed error in as many pixels as in test_a_luminaires.py.
     VARIANCE may stop a half sky of which little is seen early, where its claim is worth nothing (README): there the
-    error of the mean is at most 10 %."""
+    mean is at most 5 % too dark (4.2 % with SOBOL's SAME points at seed 0, 0 to 1.8 % otherwise, four seeds)."""
     scene = pn.Scene()
     add(scene, "patch", parallelogram([-0.2, -0.2, 0], [0.4, 0, 0], [0, 0.4, 0]), rotation([1, 2, 3], 40))
     FURNACES[furnace](scene)
@@ -150,7 +150,7 @@ def test_a20_furnaces(name, furnace):
     if COMBINATIONS[name]["stop_rule"] == "BOUNDED":
         assert error.max() < (5e-4 if furnace == "white picture" else 3e-6)
     elif name.startswith("VARIANCE") and furnace == "two half skies":
-        assert abs(picture.red.mean() - RHO) <= 0.1 * RHO
+        assert abs(picture.red.mean() - RHO) <= 0.05 * RHO
     else:
         share = 0.8 if "PRS" in name else 0.95
         assert (error <= picture.passes["Error Estimate"][..., 0]).mean() >= share
