@@ -112,7 +112,7 @@ def test_hidden_emitter_and_scaled_instances(stage):
 
 
 @pytest.mark.skipif(not hasattr(bpy.data, "hair_curves"), reason="no Curves objects in this Blender")
-@pytest.mark.parametrize("radius", [None, 0.05])
+@pytest.mark.parametrize("radius", [None, 0.02])
 def test_curves_object(stage, radius):
     curves = bpy.data.hair_curves.new("Hair")
     rng = np.random.default_rng(3)

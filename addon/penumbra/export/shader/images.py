@@ -45,6 +45,22 @@ def pixel_bytes(native_module, image) -> bytes:
     return native_module.encode_image(pixels)
 
 
+SUFFIXES = {
+    b"\x89PNG": ".png", b"\xff\xd8\xff": ".jpg", b"\x76\x2f\x31\x01": ".exr", b"II*\0": ".tif", b"MM\0*": ".tif",
+    b"#?": ".hdr", b"BM": ".bmp", b"RIFF": ".webp", b"SDPX": ".dpx", b"XPDS": ".dpx",
+}  # fmt: skip
+"""By how a file begins."""
+
+
+def named(path: str, packed) -> tuple[str, bytes | None]:
+    """(path, bytes of a packed file or None). OpenImageIO knows formats by names; what was painted, then packed, has a
+    name without a suffix."""
+    if packed is None:
+        return path, None
+    suffix = next((suffix for start, suffix in SUFFIXES.items() if packed.data.startswith(start)), "")
+    return (path if Path(path).suffix.lower() == suffix else path + suffix), packed.data
+
+
 class Images:
     """The native scene's images: each combination of image and ways to look it up once."""
 
@@ -102,15 +118,14 @@ class Images:
             return [(1001, str(Path(path).with_name(LAST_DIGITS.sub(number, name, count=1))), None)]
         if image.source != "FILE":
             raise ValueError(f"the source {image.source!r} is not supported yet")
-        packed = image.packed_file
-        return [(1001, path, packed.data if packed else None)]
+        return [(1001, *named(path, image.packed_file))]
 
     def _tile(self, image, path: str, number: int) -> tuple[str, bytes | None]:
         """(path, bytes or None) of one tile of an image whose path has <UDIM>, or <UVTILE>, where its number goes."""
         column, row = (number - 1001) % 10 + 1, (number - 1001) // 10 + 1
         path = path.replace("<UDIM>", str(number)).replace("<UVTILE>", f"u{column}_v{row}")
         packed = {bpy.path.abspath(f.filepath, library=image.library): f for f in image.packed_files if f.packed_file}
-        return path, packed[path].packed_file.data if path in packed else None
+        return named(path, packed[path].packed_file if path in packed else None)
 
 
 class NoImages:
