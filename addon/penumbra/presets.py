@@ -43,8 +43,8 @@ class PENUMBRA_OT_preset_add(AddPresetBase, bpy.types.Operator):
     bl_label = "Add Penumbra Preset"
     preset_menu = "PENUMBRA_PT_presets"
     preset_subdir = "penumbra"
-    preset_defines = ["settings = bpy.context.scene.penumbra"]
-    preset_values = [f"settings.{name}" for name in VALUES]
+    # In full: Blender executes and evaluates these in a function, where Python 3.13 keeps no new names between the two.
+    preset_values = [f"bpy.context.scene.penumbra.{name}" for name in VALUES]
 
 
 CLASSES = (PENUMBRA_PT_presets, PENUMBRA_OT_preset_add)
