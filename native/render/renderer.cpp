@@ -24,7 +24,7 @@ namespace penumbra {
 namespace {
 
 /// Side in pixels of a bucket, a multiple of kTile, in pictures of at least so many large ones.
-constexpr uint32_t kBucket = 64, kLargeBucket = 128, kLargeBuckets = 16;
+constexpr uint32_t kBucket = 64, kLargeBucket = 128, kLargeBuckets = 4;
 
 /// Large blocks are worth it where each thread gets so many, for so many luminaires.
 constexpr uint32_t kBlocksPerThread = 4, kLuminairesOfLargeBlocks = 4;

@@ -119,7 +119,7 @@ def test_antialiased(filter_type, rule):
 
 @pytest.mark.parametrize("pixel_samples", [1, 2])
 def test_large_pictures(pixel_samples):
-    """From 512 x 512 pixels on blocks are larger for one thread than for six, and for what a border leaves."""
+    """From 65,536 pixels on blocks can be larger, and are for one thread, not for six nor for what a border leaves."""
     chosen = {**settings("BOUNDED", "OWEN_SOBOL", "SCRAMBLED"), "error_tolerance": 0.1, "pixel_samples": pixel_samples}
     whole = render(build(), 531, 519, threads=1, **chosen)
     other = render(build(), 531, 519, threads=6, **chosen)
