@@ -20,7 +20,7 @@ void Geometry::filter_shadow_rays(const RTCFilterFunctionNArguments* arguments) 
   RTCRayN* rays = arguments->ray;
   for (unsigned i = 0; i < n; ++i) {
     if (!arguments->valid[i]) continue;
-    const Ray ray{{RTCRayN_org_x(rays, n, i), RTCRayN_org_y(rays, n, i), RTCRayN_org_z(rays, n, i)},
+    Ray ray{{RTCRayN_org_x(rays, n, i), RTCRayN_org_y(rays, n, i), RTCRayN_org_z(rays, n, i)},
                   {RTCRayN_dir_x(rays, n, i), RTCRayN_dir_y(rays, n, i), RTCRayN_dir_z(rays, n, i)},
                   0,
                   0,
@@ -30,6 +30,13 @@ void Geometry::filter_shadow_rays(const RTCFilterFunctionNArguments* arguments) 
     const Hit hit{instance != RTC_INVALID_GEOMETRY_ID ? instance : RTCHitN_geomID(arguments->hit, n, i),
                   RTCHitN_primID(arguments->hit, n, i), RTCHitN_u(arguments->hit, n, i),
                   double(RTCRayN_tfar(rays, n, i))};
+    // Inside of an instance Embree gives the ray in the space of its mesh.
+    const PlacedInstance& placed = geometry.instances_[hit.instance];
+    if (placed.shared) {
+      const Affine render_from_mesh = at_time(placed.mesh_motion, placed.render_from_mesh, ray.time);
+      ray.origin = render_from_mesh.point(ray.origin);
+      ray.direction = render_from_mesh.vector(ray.direction);
+    }
     const unsigned id = RTCRayN_id(rays, n, i);
     float& left = transmittance[id];
     left *= float(geometry.transparency(ray, hit, context.channels[id]));

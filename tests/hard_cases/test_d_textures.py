@@ -7,11 +7,12 @@ import struct
 import zlib
 
 import numpy as np
-import OpenImageIO as oiio
 import penumbra_native as pn
 import pytest
 from processes import run_code
 from scenes import floor, look_down, render
+
+oiio = pytest.importorskip("OpenImageIO")
 
 NAME = "material 'Lack': image 'Plakat'"
 
