@@ -21,11 +21,11 @@ void Geometry::filter_shadow_rays(const RTCFilterFunctionNArguments* arguments) 
   for (unsigned i = 0; i < n; ++i) {
     if (!arguments->valid[i]) continue;
     Ray ray{{RTCRayN_org_x(rays, n, i), RTCRayN_org_y(rays, n, i), RTCRayN_org_z(rays, n, i)},
-                  {RTCRayN_dir_x(rays, n, i), RTCRayN_dir_y(rays, n, i), RTCRayN_dir_z(rays, n, i)},
-                  0,
-                  0,
-                  kShadowRay,
-                  double(RTCRayN_time(rays, n, i))};
+            {RTCRayN_dir_x(rays, n, i), RTCRayN_dir_y(rays, n, i), RTCRayN_dir_z(rays, n, i)},
+            0,
+            0,
+            kShadowRay,
+            double(RTCRayN_time(rays, n, i))};
     const unsigned instance = RTCHitN_instID(arguments->hit, n, i, 0);
     const Hit hit{instance != RTC_INVALID_GEOMETRY_ID ? instance : RTCHitN_geomID(arguments->hit, n, i),
                   RTCHitN_primID(arguments->hit, n, i), RTCHitN_u(arguments->hit, n, i),
