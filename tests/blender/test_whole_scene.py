@@ -40,8 +40,8 @@ def test_as_in_cycles(scene):
 @pytest.mark.parametrize("moves", [False, True])
 def test_holes_of_a_shared_mesh_cast_the_shadows_of_its_own(scene, moves):
     """Two leaves with holes cut by alpha, turned, sheared by their parent and moved: as instances of one mesh, whose
-    shadow rays Embree hands on in the mesh's space, and with a mesh each. Moving, all are instances of Embree's: there the
-    mean is Cycles' (0.3 % for 64 samples; without holes it is 2.8 % less)."""
+    shadow rays Embree hands on in the mesh's space, and with a mesh each. Moving, all are instances of Embree's: there
+    the mean is Cycles' (0.3 % for 64 samples; without holes it is 2.8 % less)."""
     add_plane(scene, "Floor", size=6)
     add_area_light(scene, power=200, location=(0, 1, 4), size=0.5)
     corners = [(0, 0, 0), (1, 0, 0), (1, 1, 0.3), (0, 1, 0)]
