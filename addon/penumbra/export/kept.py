@@ -44,7 +44,9 @@ def changes_in(depsgraph) -> Changes:
             geometry = geometry or (update.is_updated_geometry and changed.type not in SHAPELESS)
         else:
             content = content or not isinstance(changed, UNSEEN)
-            geometry = geometry or not isinstance(changed, WITHOUT_GEOMETRY)
+            # Blender 4 tags the shading of a material's meshes along with it.
+            is_shape = update.is_updated_geometry or not isinstance(changed, bpy.types.Mesh)
+            geometry = geometry or (is_shape and not isinstance(changed, WITHOUT_GEOMETRY))
     return Changes(content, geometry)
 
 
