@@ -17,8 +17,8 @@ declare -A packages=(  # beyond what examples/install.sh installs
   [trixie]="ccache"
   # Blender 5 wants the last four, its extension system and its compositor, and Debian's package does not say so.
   [sid]="ccache python3-cattr python3-requests python3-zstandard libegl1"
-  # What bpy is linked to and does not bring.
-  [bpy]="ccache python3-venv libsm6 libxi6 libxkbcommon0 libxxf86vm1 libxfixes3 libxrender1 libgl1"
+  # What bpy is linked to and does not bring, and libegl1 for its compositor.
+  [bpy]="ccache python3-venv libsm6 libxi6 libxkbcommon0 libxxf86vm1 libxfixes3 libxrender1 libgl1 libegl1"
   [arm64]="ccache cmake ninja-build g++-aarch64-linux-gnu qemu-user libembree-dev:arm64 libopenimageio-dev:arm64
            libgtest-dev:arm64"
 )
