@@ -6,7 +6,17 @@ import time
 
 import bpy
 import pytest
-from helpers import REPOSITORY, add_area_light, add_camera, add_cube, add_plane, last_line, read_exr, run_blender
+from helpers import (
+    REPOSITORY,
+    add_area_light,
+    add_camera,
+    add_cube,
+    add_plane,
+    blender_program,
+    last_line,
+    read_exr,
+    run_blender,
+)
 
 SCRIPT = REPOSITORY / "examples" / "render.py"
 
@@ -29,7 +39,7 @@ def blend_file(scene, tmp_path):
 def test_kill_and_go_on(blend_file, tmp_path):
     checkpoint = tmp_path / "checkpoint"
     options = ["--multilayer", "--checkpoint", checkpoint, "--output"]
-    command = [bpy.app.binary_path, "-b", "--factory-startup", blend_file, "-P", SCRIPT, "--", *options, "k.exr"]
+    command = [blender_program(), "-b", "--factory-startup", blend_file, "-P", SCRIPT, "--", *options, "k.exr"]
     process = subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     deadline = time.monotonic() + 60
     while not list(checkpoint.glob("*/*/bucket_*.bin")) and time.monotonic() < deadline:

@@ -10,7 +10,16 @@ Cycles' noise; the root mean square of the difference within 1.3 of Cycles' nois
 import numpy as np
 import pytest
 import whole_scene
-from helpers import add_area_light, add_camera, add_mesh, add_plane, link, render_pixels, use_cycles_as_reference
+from helpers import (
+    add_area_light,
+    add_camera,
+    add_mesh,
+    add_plane,
+    diffuse_material,
+    link,
+    render_pixels,
+    use_cycles_as_reference,
+)
 from penumbra import statistics
 
 TOLERANCE = 0.02
@@ -69,7 +78,7 @@ def test_holes_of_a_shared_mesh_cast_the_shadows_of_its_own(scene, moves):
         assert shared[..., :3].mean() == pytest.approx(
             render_pixels(scene, "CYCLES")["Combined"][..., :3].mean(), rel=0.003
         )
-    leaf.data.materials[0].use_nodes = other.data.materials[0].use_nodes = False
+    leaf.data.materials[0] = other.data.materials[0] = diffuse_material("Solid", (0.5, 0.5, 0.5))
     solid = render_pixels(scene)["Combined"]
     difference = np.abs(shared - single)[..., :3]
     assert np.mean(np.abs(solid - single)[..., 1] > 0.05) > 0.02, "the holes do not matter here"
