@@ -117,6 +117,17 @@ struct Geometry::Moved {
   std::optional<Affine> mesh, object;
 };
 
+void Geometry::set_owner(SurfacePlace& place, const PlacedMesh& mesh, const PlacedInstance& instance,
+                         double time) const {
+  place.attributes = &mesh.attributes;
+  place.normalization = &normalization_;
+  place.render_from_object = &instance.render_from_object;
+  place.render_from_mesh = &instance.render_from_mesh;
+  place.object_motion = &instance.object_motion;
+  place.mesh_motion = &instance.mesh_motion;
+  place.time = time;
+}
+
 void Geometry::surface_point(const Ray& ray, const Hit& hit, SurfacePoint& s) const {
   const PlacedInstance& instance = instances_[hit.instance];
   const PlacedMesh& mesh = *meshes_[instance.mesh];
@@ -157,13 +168,7 @@ void Geometry::surface_point(const Ray& ray, const Hit& hit, SurfacePoint& s) co
   s.position = position;
   s.geometric_normal = geometric * side;
   s.normal = normal * side;
-  s.place.attributes = &mesh.attributes;
-  s.place.normalization = &normalization_;
-  s.place.render_from_object = &instance.render_from_object;
-  s.place.render_from_mesh = &instance.render_from_mesh;
-  s.place.object_motion = &instance.object_motion;
-  s.place.mesh_motion = &instance.mesh_motion;
-  s.place.time = ray.time;
+  set_owner(s.place, mesh, instance, ray.time);
   s.place.edge1 = edge1;
   s.place.edge2 = edge2;
   s.place.triangle = hit.triangle;
@@ -205,13 +210,7 @@ void Geometry::strand_point(const Ray& ray, const Hit& hit, SurfacePoint& s) con
   s.position = render_from_mesh.point(place.centre + normal * place.radius);
   const double orientation = render_from_mesh.determinant() < 0 ? -1 : 1;
   s.geometric_normal = instance.shared ? normalize(render_from_mesh.normal(normal)) * orientation : normal;
-  s.place.attributes = &mesh.attributes;
-  s.place.normalization = &normalization_;
-  s.place.render_from_object = &instance.render_from_object;
-  s.place.render_from_mesh = &instance.render_from_mesh;
-  s.place.object_motion = &instance.object_motion;
-  s.place.mesh_motion = &instance.mesh_motion;
-  s.place.time = ray.time;
+  set_owner(s.place, mesh, instance, ray.time);
   s.place.edge1 = place.tangent;
   s.place.edge2 = cross(place.tangent, normal);
   s.place.triangle = hit.triangle;

@@ -96,6 +96,9 @@ class Geometry {
   RTCGeometry make_instance(PlacedInstance& placed, const PlacedMesh& mesh, const Box& box) const;
   double transparency(const Ray& ray, const Hit& hit, uint8_t channel) const;
   struct Moved;
+  /// What a place knows of the mesh and the instance that it is on.
+  void set_owner(SurfacePlace& place, const PlacedMesh& mesh, const PlacedInstance& instance,
+                 double time) const;
   void strand_point(const Ray& ray, const Hit& hit, SurfacePoint& s) const;
 
   std::shared_ptr<const Opacity> opacity_;
