@@ -45,13 +45,14 @@ def previews(engine, tmp_path_factory):
 
 @pytest.mark.parametrize(("name", "channel"), [("Red", 0), ("Blue", 2)])
 def test_a_material_shows_its_colour(previews, name, channel):
-    """In the middle, where the ball is, that channel is far above the others; AgX, the view transform since 4.0, shows
-    what is as bright as this blue at twice them, Filmic at more."""
+    """In the middle, where the ball is, that channel is far above the others: more than twice, but AgX, the view
+    transform since 4.0, shows what is as bright as this blue at just twice them."""
+    least = 1.5 if name == "Blue" and bpy.app.version >= (4, 0, 0) else 2
     picture = previews[name]
     height, width = picture.shape[:2]
     middle = picture[height // 3 : 2 * height // 3, width // 3 : 2 * width // 3, :3]
     others = np.delete(middle, channel, axis=-1).max(axis=-1)
-    assert np.mean(middle[..., channel] > 1.5 * others) > 0.8
+    assert np.mean(middle[..., channel] > least * others) > 0.8
     assert np.median(middle[..., channel]) > 0.1
 
 
