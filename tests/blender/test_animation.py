@@ -12,7 +12,7 @@ import bpy
 import numpy as np
 import OpenImageIO as oiio
 import pytest
-from helpers import add_cube, add_mesh, add_plane, animate, link, read_exr, render_pixels
+from helpers import add_cube, add_mesh, add_plane, animate, link, make_lambertian, read_exr, render_pixels
 from penumbra import compat, engine
 from penumbra.export import Kept
 
@@ -28,7 +28,8 @@ def prepare(scene) -> None:
 
 
 def render_animation(scene, folder: Path) -> dict[int, dict[str, np.ndarray]]:
-    """All frames in one run of Blender's, with persistent data."""
+    """All frames in one run of Blender's, with persistent data, of the materials that render_pixels renders."""
+    make_lambertian(scene)
     compat.set_file_format(scene.render.image_settings, "OPEN_EXR_MULTILAYER")
     scene.render.image_settings.color_depth = "32"
     scene.render.filepath, scene.render.use_file_extension = str(folder / "frame_"), True
