@@ -17,6 +17,7 @@ from helpers import (
     add_cube,
     add_plane,
     last_line,
+    make_lambertian,
     render_pixels,
     run_blender,
 )
@@ -35,6 +36,7 @@ def small_scene(scene):
     add_cube(scene, size=1.0, location=(0, 0, 0.5), rotation=(0, 0, 0.4))
     add_area_light(scene, location=(0.8, 0.0, 3.0), power=150.0)
     add_camera(scene, location=(0.0, 0.0, 7.0))
+    make_lambertian(scene)  # in the saved file, too
     scene.render.resolution_x, scene.render.resolution_y = 48, 36
     scene.view_settings.exposure = EXPOSURE
     scene.penumbra.error_tolerance, scene.penumbra.pixel_samples = 0.02, 1
