@@ -71,6 +71,12 @@ class Viewport:
         """Whether a picture of it was drawn."""
         return self._shown is not None and self._shown[0] is refinement
 
+    @property
+    def is_drawn(self) -> bool:
+        """Whether the last drawing was of all that is rendered so far."""
+        now = self.refinement
+        return now is not None and self._shown == (now, now.changes)
+
     def update(self, context, depsgraph) -> None:
         """Exports the scene if that is needed, and has the view drawn, which settings alone would not do."""
         with_failures_shown(self, self._update, context.space_data, depsgraph)
@@ -123,11 +129,13 @@ class Viewport:
         from gpu_extras.presets import draw_texture_2d
 
         now = self.refinement
-        if now is not None and now.pixels is not None and self._shown != (now, now.changes):
-            self._shown, self._border = (now, now.changes), self._wanted[1].border
-            height, width = now.pixels.shape[:2]
-            buffer = gpu.types.Buffer("FLOAT", width * height * 4, now.pixels.reshape(-1))
-            self._texture = gpu.types.GPUTexture((width, height), format="RGBA16F", data=buffer)
+        if now is not None and (now.done or now.pixels is not None) and not self.is_drawn:
+            self._shown = (now, now.changes)
+            if now.pixels is not None:  # else the last picture stays
+                self._border = self._wanted[1].border
+                height, width = now.pixels.shape[:2]
+                buffer = gpu.types.Buffer("FLOAT", width * height * 4, now.pixels.reshape(-1))
+                self._texture = gpu.types.GPUTexture((width, height), format="RGBA16F", data=buffer)
         self._drawn_at = perf_counter()
         if self._texture is None:
             return
@@ -144,7 +152,7 @@ class Viewport:
         engine, now = self._engine(), self.refinement
         if engine is None or now is None:
             return None
-        is_over, is_new = now.done, self._shown != (now, now.changes)
+        is_over, is_new = now.done, not self.is_drawn
         is_first = not self.shows(now)
         if is_new and (is_over or is_first or perf_counter() - self._drawn_at >= REDRAW_SECONDS):
             self.show_status()

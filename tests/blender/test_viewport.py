@@ -15,6 +15,7 @@ from helpers import (
     add_camera,
     add_cube,
     add_plane,
+    diffuse_material,
     link,
     read_exr,
     render_pixels,
@@ -32,8 +33,9 @@ DISPLAY_STEPS = 2.5 / 255
 def make_scene(scene) -> None:
     """A cube on a floor: lit, penumbra, full shadow, and beyond the floor nothing."""
     floor = add_plane(scene, "Floor", size=20)
-    floor.data.materials.append(bpy.data.materials.new("Paint"))
-    add_cube(scene, size=1.5, location=(0, 0, 1))
+    floor.data.materials.append(diffuse_material("Paint"))
+    cube = add_cube(scene, size=1.5, location=(0, 0, 1))
+    cube.data.materials.append(diffuse_material("Wood"))
     add_area_light(scene, location=(2, 0, 5), power=100)
     add_camera(scene, location=(0, -8, 6), rotation=(0.9, 0, 0))
     scene.penumbra.error_tolerance = TOLERANCE
@@ -151,7 +153,7 @@ def test_settings_refine_fail_with_a_sentence_and_come_back(session):
 
 
 def test_a_broken_scene_is_told_of_and_the_last_picture_stays(session):
-    assert session["break_material"]["failure"].startswith("material 'Broken'")
+    assert session["break_material"]["failure"].startswith("material 'Wood'")
     changed = (session["break_material"]["screen"] != session["mend_settings"]["screen"]).any(axis=-1)
     assert np.mean(changed) < 0.01  # Blender's own arrows at the region's edges come and go
     assert session["mend_material"]["failure"] == ""
@@ -177,7 +179,8 @@ def test_a_final_render_while_the_view_renders(session, scene):
     make_scene(scene)
     scene.objects["Cube"].location.x += 1.5
     bpy.data.lights["Light"].energy /= 2
-    bpy.data.materials["Paint"].diffuse_color = (0.2, 0.5, 0.1, 1)
+    floor = bpy.data.materials["Paint"].node_tree.nodes["Diffuse BSDF"]
+    floor.inputs["Color"].default_value = (0.2, 0.5, 0.1, 1)
     for vertex in scene.objects["Cube"].data.vertices:
         vertex.co.z *= 1.5
     scene.render.film_transparent = True

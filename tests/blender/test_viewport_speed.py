@@ -13,7 +13,7 @@ from statistics import median
 import bpy
 import numpy as np
 import pytest
-from helpers import REPOSITORY, add_area_light, add_camera, add_cube, add_mesh, run_blender
+from helpers import REPOSITORY, add_area_light, add_camera, add_cube, add_mesh, diffuse_material, run_blender
 
 SCREEN = (1280, 720)
 SIDE = 224
@@ -25,7 +25,7 @@ def make_scene(scene) -> None:
     corner = (np.arange(SIDE)[:, None] * (SIDE + 1) + np.arange(SIDE)).ravel()
     faces = np.stack([corner, corner + 1, corner + SIDE + 2, corner + SIDE + 1], axis=-1)
     waves = add_mesh(scene, "Waves", np.stack([x, y, 0.2 * np.sin(3 * x) * np.cos(2 * y)], axis=-1), faces)
-    waves.data.materials.append(bpy.data.materials.new("Paint"))
+    waves.data.materials.append(diffuse_material("Paint"))
     waves.data.polygons.foreach_set("use_smooth", np.ones(len(faces), dtype=bool))
     add_cube(scene, size=1.5, location=(0, 0, 1.5))
     add_area_light(scene, location=(2, 0, 5), power=100)

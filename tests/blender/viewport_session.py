@@ -24,8 +24,8 @@ TIMEOUT_SECONDS = 60
 FINAL_SIZE = (48, 32)
 MANY_SAMPLES = 65536
 """A second for FINAL_SIZE, a minute and more for the view."""
-SETTLE_SECONDS = 1.0
-"""For the last drawing to reach the screen."""
+SETTLE_SECONDS = 0.5
+"""For a change that Blender does not tell of, and between two looks at a screen that must not change any more."""
 recorded: dict = {}
 
 
@@ -63,9 +63,11 @@ def record(name: str, since: float) -> None:
 
 
 def is_settled() -> bool:
-    """Whether the view has the last and best picture of what it is to show."""
+    """Whether the view has the last and best picture of what it is to show, and has drawn it."""
     shown = list(viewport.viewports)
-    return len(shown) == 1 and shown[0].refinement is not None and shown[0].refinement.done
+    if len(shown) != 1 or shown[0].refinement is None:
+        return False
+    return shown[0].refinement.done and shown[0].is_drawn
 
 
 def is_at_last_picture() -> bool:
@@ -105,9 +107,13 @@ def dim_light() -> None:
     bpy.data.lights["Light"].energy /= 2
 
 
+def set_colour(material: str, colour) -> None:
+    bpy.data.materials[material].node_tree.nodes["Diffuse BSDF"].inputs["Color"].default_value = colour
+
+
 def paint() -> None:
     """Another colour, of the material of the floor."""
-    bpy.data.materials["Paint"].diffuse_color = (0.2, 0.5, 0.1, 1)
+    set_colour("Paint", (0.2, 0.5, 0.1, 1))
 
 
 def deform() -> None:
@@ -155,13 +161,11 @@ def mend_settings() -> None:
 
 
 def break_material() -> None:
-    material = bpy.data.materials.new("Broken")
-    material.diffuse_color = (float("nan"), 0, 0, 1)
-    bpy.data.objects["Cube"].data.materials.append(material)
+    set_colour("Wood", (float("nan"), 0, 0, 1))
 
 
 def mend_material() -> None:
-    bpy.data.objects["Cube"].data.materials.clear()
+    set_colour("Wood", (0.8, 0.8, 0.8, 1))
 
 
 def clear_film() -> None:
@@ -217,7 +221,10 @@ def session():
         while not is_awaited():
             assert perf_counter() - since < TIMEOUT_SECONDS, f"{step.__name__} takes too long"
             yield 0.05
-        yield SETTLE_SECONDS
+        before = None
+        while before is None or is_awaited is is_settled and (read_screen() != before).any():
+            before = read_screen()
+            yield SETTLE_SECONDS
         record(step.__name__, since)
     leave()
     yield SETTLE_SECONDS

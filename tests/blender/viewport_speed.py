@@ -42,7 +42,8 @@ def dim(turn: int) -> None:
 
 
 def paint(turn: int) -> None:
-    bpy.data.materials["Paint"].diffuse_color = (0.1 * turn, 0.5, 0.4, 1)
+    colour = bpy.data.materials["Paint"].node_tree.nodes["Diffuse BSDF"].inputs["Color"]
+    colour.default_value = (0.1 * turn, 0.5, 0.4, 1)
 
 
 def deform(turn: int) -> None:
