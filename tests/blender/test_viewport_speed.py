@@ -65,8 +65,7 @@ def middle(entries, name: str) -> float:
 
 @pytest.mark.parametrize("change", ["move", "dim", "paint", "deform"])
 def test_a_change_of_the_scene_is_seen_nearly_as_soon_as_one_of_the_view(measured, change, record_property):
-    """A deformed mesh of 100,000 triangles is read and built anew, which takes about 0.1 s of CPU; all else reads no
-    mesh. 0.15 s, for a machine with other work."""
+    """What "nearly" is, viewport_speed.py has."""
     size = measured["size"]
     assert size[0] * size[1] > 0.9 * SCREEN[0] * SCREEN[1]
     for name in ("orbit", change):
@@ -75,5 +74,4 @@ def test_a_change_of_the_scene_is_seen_nearly_as_soon_as_one_of_the_view(measure
             record_property(f"seconds, {name}, {what}", text)
             print(f"viewport: {name:8} {what:6} {text}")
     assert all(entry["read"] == (2 if change == "deform" else 0) for entry in measured[change])
-    best = {name: min(entry["first"] for entry in measured[name]) for name in ("orbit", change)}
-    assert best[change] < 2 * best["orbit"] + (0.3 if change == "deform" else 0.15)
+    assert change not in measured["slow"]

@@ -223,6 +223,7 @@ def session():
             yield 0.05
         before = None
         while before is None or is_awaited is is_settled and (read_screen() != before).any():
+            assert perf_counter() - since < TIMEOUT_SECONDS, f"the screen does not settle after {step.__name__}"
             before = read_screen()
             yield SETTLE_SECONDS
         record(step.__name__, since)

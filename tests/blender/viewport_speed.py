@@ -4,7 +4,8 @@
     xvfb-run ... blender --addons penumbra FILE -P viewport_speed.py -- FILE.json
 
 FILE.json gets for each kind of change a list of {"first": seconds until the first picture is there, since Blender told
-of the change; "shown": until it is drawn, since the change itself; "read": meshes read for it}. "size": of the view.
+of the change; "shown": until it is drawn, since the change itself; "read": meshes read for it}. "slow": the changes
+whose first picture comes too late. "size": of the view.
 """
 
 import json
@@ -19,6 +20,11 @@ from penumbra import viewport
 
 RESULT = Path(sys.argv[sys.argv.index("--") + 1])
 REPEATS, POLL_SECONDS, TIMEOUT_SECONDS = 5, 0.004, 60
+MOST_REPEATS = 25
+"""Where the best of REPEATS is not as good as it is to be: other work on the machine makes some slower, none faster."""
+EXTRA_SECONDS = {"orbit": 0.0, "move": 0.15, "dim": 0.15, "paint": 0.15, "deform": 0.3}
+"""What the first picture after a change may cost beyond twice that of another view: a deformed mesh of 100,000
+triangles is read and built anew, which takes about 0.1 s of CPU; all else reads no mesh."""
 SETTLE_SECONDS = 0.7
 measured: dict = {}
 
@@ -34,7 +40,7 @@ def orbit(turn: int) -> None:
 
 
 def move(turn: int) -> None:
-    bpy.data.objects["Cube"].location.x = 0.3 * turn
+    bpy.data.objects["Cube"].location.x = 0.1 * turn
 
 
 def dim(turn: int) -> None:
@@ -43,7 +49,7 @@ def dim(turn: int) -> None:
 
 def paint(turn: int) -> None:
     colour = bpy.data.materials["Paint"].node_tree.nodes["Diffuse BSDF"].inputs["Color"]
-    colour.default_value = (0.1 * turn, 0.5, 0.4, 1)
+    colour.default_value = (0.03 * turn, 0.5, 0.4, 1)
 
 
 def deform(turn: int) -> None:
@@ -66,6 +72,11 @@ def prepare() -> None:
         bpy.ops.screen.screen_full_area(use_hide_panels=True)
 
 
+def is_soon_enough(change: str) -> bool:
+    best = {name: min(entry["first"] for entry in measured[name]) for name in ("orbit", change)}
+    return best[change] <= 2 * best["orbit"] + EXTRA_SECONDS[change]
+
+
 def session():
     """The changes; yields the seconds to wait before going on."""
     yield 0.5
@@ -75,7 +86,9 @@ def session():
     yield 2.0
     for change in CHANGES:
         measured[change.__name__] = []
-        for turn in range(1, REPEATS + 1):
+        for turn in range(1, MOST_REPEATS + 1):
+            if turn > REPEATS and is_soon_enough(change.__name__):
+                break
             (shown,) = viewport.viewports
             before, read = shown.refinement, shown.meshes_read
             since = perf_counter()
@@ -90,6 +103,7 @@ def session():
             yield SETTLE_SECONDS
     region = next(r for r in next(a for a in bpy.context.window.screen.areas if a.type == "VIEW_3D").regions
                   if r.type == "WINDOW")  # fmt: skip
+    measured["slow"] = [change.__name__ for change in CHANGES if not is_soon_enough(change.__name__)]
     measured["size"] = [region.width, region.height]
     RESULT.write_text(json.dumps(measured, indent=1))
 
