@@ -13,14 +13,6 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// Two unit vectors at right angles to an axis and to each other.
-struct Across {
-  Vec3d side, up;
-  explicit Across(const Vec3d& axis)
-      : side(normalize(cross(std::abs(axis.z) < 0.7 ? Vec3d{0, 0, 1} : Vec3d{1, 0, 0}, axis))),
-        up(cross(axis, side)) {}
-};
-
 struct ConeTerms {
   float axis[3], side[3], up[3], normal[3];
   float one_minus_cosine, inverse_sine_squared;

@@ -6,6 +6,14 @@
 
 namespace penumbra {
 
+/// Two unit vectors at right angles to an axis and to each other.
+struct Across {
+  Vec3d side, up;
+  explicit Across(const Vec3d& axis)
+      : side(normalize(cross(std::abs(axis.z) < 0.7 ? Vec3d{0, 0, 1} : Vec3d{1, 0, 0}, axis))),
+        up(cross(axis, side)) {}
+};
+
 struct Cone {
   Vec3d axis;           // unit, from the surface point
   double sine_squared;  // of the half angle, at most a right one

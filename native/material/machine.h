@@ -50,6 +50,7 @@ struct NamedOperation {
   OperationFunction function;
   bool pure = true;
   DataKind data = DataKind::kNumber;
+  bool looks_at_viewer = false;  // the result depends on where the surface is seen from
 
   /// Whether `data` names a whole table, or one of so many images.
   bool fits(int32_t data, std::span<const float> tables, size_t images) const;

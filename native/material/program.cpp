@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
 #include <set>
 #include <unordered_map>
 
@@ -21,10 +22,19 @@ const Names& names() {
   return all;
 }
 
-bool is_pure(OperationFunction function) {
-  for (const auto& [name, operation] : names())
-    if (operation->function == function) return operation->pure;
-  return false;
+const NamedOperation& named(OperationFunction function) {
+  const auto found = std::find_if(names().begin(), names().end(), [function](const auto& entry) {
+    return entry.second->function == function;
+  });
+  return *found->second;  // programs are made of named operations alone
+}
+
+/// To be called when a program's operations have changed.
+void note_what_it_looks_at(Program& program) {
+  const std::vector<Operation>& all = program.operations;
+  program.looks_beside = std::any_of(all.begin(), all.end(), [](const Operation& o) { return o.shift > 0; });
+  program.looks_at_viewer = std::any_of(all.begin(), all.end(),
+                                        [](const Operation& o) { return named(o.function).looks_at_viewer; });
 }
 
 }  // namespace
@@ -59,7 +69,7 @@ void fold(Program& program) {
   machine.registers = program.registers.data();
   machine.tables = program.tables.data();
   for (const Operation& operation : program.operations) {
-    bool constant = is_pure(operation.function);
+    bool constant = named(operation.function).pure;
     for (const uint16_t input : operation.in) constant = constant && !varies[input];
     if (constant) {
       operation.function(machine, operation);
@@ -70,8 +80,7 @@ void fold(Program& program) {
     }
   }
   program.operations = std::move(kept);
-  program.looks_beside = std::any_of(program.operations.begin(), program.operations.end(),
-                                     [](const Operation& o) { return o.shift > 0; });
+  note_what_it_looks_at(program);
 }
 
 Program part_of(const Program& program, ClosureKind kind) {
@@ -87,6 +96,7 @@ Program part_of(const Program& program, ClosureKind kind) {
     wanted.insert(operation->in.begin(), operation->in.end());
   }
   result.operations = std::move(kept);
+  note_what_it_looks_at(result);
   return result;
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <queue>
 
+#include "luminaire/cone.h"
 #include "luminaire/mesh_emitter.h"
 
 namespace penumbra {
@@ -15,6 +16,10 @@ namespace {
 /// pixel. At most 4^kDeepest times on a triangle.
 constexpr double kLookups = 65536;
 constexpr int kDeepest = 8;
+/// Directions that emission which depends on them is looked up in: its mean is within 0.7 % for Schlick's
+/// fifth power, the steepest of the usual ones.
+constexpr int kDirections = 16;
+constexpr double kGoldenAngle = 2.399963229728653;  // radians
 /// Parts beyond the triangles that there are: each costs every surface point some nanoseconds. What that
 /// leaves of the light's variation is measured by tests/blender/test_textured_emission.py.
 constexpr size_t kMostParts = 256;
@@ -78,6 +83,7 @@ class Side {
 
  private:
   void look_up(Pyramid& pyramid, const Material& material, double share);
+  Vec3d emission(const Material& material, const SurfacePoint& surface, double width) const;
   double gain(const Pyramid& pyramid, int level, uint32_t index) const;
 
   const Geometry& geometry_;
@@ -120,21 +126,37 @@ void Side::look_up(Pyramid& pyramid, const Material& material, double share) {
   }
   pyramid.levels.resize(size_t(depth) + 1);
   for (const Part& p : parts) {
-    SurfacePoint surface = geometry_.surface_point(pyramid.hit, (p[0].u + p[1].u + p[2].u) / 3,
-                                                   (p[0].v + p[1].v + p[2].v) / 3, from_behind_);
-    const Vec3d e = materials_
-                        .evaluate(*material.emission_program, surface,
-                                  {-surface.geometric_normal, RayKind::kLight, width})
-                        .emission;
-    const bool usable = is_finite(e);
-    pyramid.levels.back().push_back(usable ? Vec3d{std::max(e.x, 0.0), std::max(e.y, 0.0), std::max(e.z, 0.0)}
-                                           : Vec3d{});
+    const SurfacePoint surface = geometry_.surface_point(pyramid.hit, (p[0].u + p[1].u + p[2].u) / 3,
+                                                         (p[0].v + p[1].v + p[2].v) / 3, from_behind_);
+    pyramid.levels.back().push_back(emission(material, surface, width));
   }
   for (int level = depth; level-- > 0;) {
     const std::vector<Vec3d>& finer = pyramid.levels[size_t(level) + 1];
     for (size_t i = 0; i < finer.size(); i += 4)
       pyramid.levels[size_t(level)].push_back((finer[i] + finer[i + 1] + finer[i + 2] + finer[i + 3]) / 4.0);
   }
+}
+
+/// Mean over the directions to the surface's side, weighted with the cosine as its power is. (One direction
+/// is enough where emission does not depend on it.)
+Vec3d Side::emission(const Material& material, const SurfacePoint& surface, double width) const {
+  const Vec3d& n = surface.geometric_normal;
+  const Across across(n);
+  const auto towards = [&](double cosine, double angle) {
+    SurfacePoint copy = surface;  // bumps change its normal
+    const Vec3d sideways = across.side * std::cos(angle) + across.up * std::sin(angle),
+                viewer = n * cosine + sideways * std::sqrt(1 - cosine * cosine);
+    const Vec3d e =
+        materials_.evaluate(*material.emission_program, copy, {-viewer, RayKind::kLight, width}).emission;
+    return is_finite(e) ? Vec3d{std::max(e.x, 0.0), std::max(e.y, 0.0), std::max(e.z, 0.0)} : Vec3d{};
+  };
+  if (!material.emission_program->looks_at_viewer) return towards(1, 0);
+  Vec3d sum;
+  for (int i = 0; i < kDirections; ++i) {
+    const double cosine = (i + 0.5) / kDirections;
+    sum += towards(cosine, kGoldenAngle * i) * (2 * cosine / kDirections);
+  }
+  return sum;
 }
 
 /// From the finest level, so that a picture whose quarters are alike is split nevertheless.

@@ -58,6 +58,7 @@ struct Program {
   std::vector<float> tables;  // of colour ramps and the like
   std::vector<ClosureStep> closures;
   bool looks_beside = false;       // some operation has a shift
+  bool looks_at_viewer = false;    // some operation depends on where the surface is seen from
   bool grey_transparency = false;  // what goes through is the same for red, green and blue
   bool facet_bumps = false;        // see Closures::facet_bumps
   uint16_t normal = 0;             // register with the shading normal, world space; 0: the surface's own

@@ -104,6 +104,29 @@ def group(t):
     return node.outputs[0]
 
 
+def unfed_group(t, kind, name, output):
+    """A node in a group in a group whose input `name` comes from the group's, which nothing feeds: as if it were not
+    linked."""
+    outer, inner = t.add("ShaderNodeGroup"), None
+    for depth in range(2):
+        tree = bpy.data.node_groups.new(f"{kind} {depth}", "ShaderNodeTree")
+        if hasattr(tree, "interface"):
+            tree.interface.new_socket(name, in_out="INPUT", socket_type="NodeSocketVector")
+            tree.interface.new_socket("Y", in_out="OUTPUT", socket_type="NodeSocketColor")
+        else:
+            tree.inputs.new("NodeSocketVector", name)
+            tree.outputs.new("NodeSocketColor", "Y")
+        first, last = tree.nodes.new("NodeGroupInput"), tree.nodes.new("NodeGroupOutput")
+        node = tree.nodes.new("ShaderNodeGroup" if inner else kind)
+        if inner:
+            node.node_tree = inner
+        tree.links.new(first.outputs[0], node.inputs[name])
+        tree.links.new(node.outputs[0 if inner else output], last.inputs[0])
+        inner = tree
+    outer.node_tree = inner
+    return outer.outputs[0]
+
+
 def noise(t, dimensions):
     inputs = {"Scale": 3.1, "Detail": 3.5, "Roughness": 0.6, "Distortion": 0.5}
     node = t.add("ShaderNodeTexNoise", noise_dimensions=dimensions)
@@ -133,6 +156,9 @@ CASES = {
     **{f"ramp {k}": lambda t, k=k: ramp(t, k) for k in ("LINEAR", "CONSTANT", "B_SPLINE")},
     "curves": curves,
     "group": group,
+    **{f"{k} {i} of a group that is not fed": lambda t, k=k, i=i, o=o: unfed_group(t, f"ShaderNode{k}", i, o)
+       for k, i, o in (("Fresnel", "Normal", "Fac"), ("LayerWeight", "Normal", "Facing"), ("TexNoise", "Vector", "Fac"),
+                       ("TexChecker", "Vector", "Color"))},
     **{f"mapping {k}": lambda t, k=k: mapping(t, k) for k in ("POINT", "TEXTURE", "VECTOR", "NORMAL")},
     **{f"map range {k}": lambda t, k=k: map_range(t, k) for k in ("LINEAR", "STEPPED", "SMOOTHSTEP", "SMOOTHERSTEP")},
     "clamp": lambda t: t.add("ShaderNodeClamp", {0: t.noise("Fac"), 1: 0.6, 2: 0.4}, clamp_type="RANGE").outputs[0],

@@ -81,6 +81,20 @@ def test_colour_from_an_rgb_node_through_reroutes(colour_of):
     assert notes == []
 
 
+@pytest.mark.parametrize(("second", "noted"), [("Transparent", 0.9), ("Transparent", 0.1), ("Diffuse", 0.9)])
+def test_a_sum_of_transparent_shaders_above_one_is_noted(notes_of, second, noted):
+    material, add, tree = shader("ShaderNodeAddShader")
+    for socket, kind in zip(add.inputs, ("Transparent", second), strict=True):
+        node = tree.nodes.new(f"ShaderNodeBsdf{kind}")
+        node.inputs["Color"].default_value = (noted, 0.5, 0.5, 1)
+        tree.links.new(node.outputs[0], socket)
+    too_much = second == "Transparent" and noted == 0.9
+    assert notes_of(material) == too_much * [
+        "material 'Material': node 'Add Shader': adds transparent shaders; in shadows no more than all light goes "
+        "through"
+    ]
+
+
 def test_an_unknown_node_falls_back_to_the_sockets_value(notes_of, lit_scene):
     material, node, tree = shader("ShaderNodeBsdfDiffuse")
     node.inputs["Color"].default_value = (*ORANGE, 1)

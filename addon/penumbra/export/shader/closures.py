@@ -44,8 +44,15 @@ class Shaders:
         self._follow(second, place.groups, self.program.multiply(weight, factor))
 
     def _add(self, place: Place, weight: int) -> None:
+        passing = []
         for socket in place.node.inputs[:2]:
+            before = len(self.program.closures)
             self._follow(socket, place.groups, weight)
+            colours = [colour for kind, colour, *_ in self.program.closures[before:] if kind == "transparent"]
+            passing.append([self.program.known(colour) for colour in colours])
+        added = passing[0] + passing[1]
+        if all(passing) and (None in added or max(map(sum, zip(*added, strict=True))) > 1):
+            self.compiler.note(place, "adds transparent shaders; in shadows no more than all light goes through")
 
     def _coloured(self, place: Place, weight: int, name: str = "Color") -> int:
         return self.program.multiply(weight, self.compiler.value(place, name))

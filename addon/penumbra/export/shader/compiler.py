@@ -77,6 +77,19 @@ def upstream_of(source, socket, groups: tuple):
     return found, inside
 
 
+def is_fed(socket, groups: tuple) -> bool:
+    """Whether a node stands behind an input socket. As in Cycles, a link from a group's input that nothing feeds is
+    none: a Normal is then the surface's, and a Vector the node's usual coordinates."""
+    link = live_link(socket)
+    if link is None:
+        return False
+    try:
+        upstream = upstream_of(link.from_node, link.from_socket, groups)
+    except UnsupportedNode:  # muted with nothing behind it, or a group without this output
+        return False
+    return upstream is None or is_fed(*upstream)
+
+
 class Compiler:
     """Writes one material's program. `attributes` gives numbers to names of attributes, `images` to images."""
 
@@ -95,7 +108,7 @@ class Compiler:
 
     def is_linked(self, place: Place, name: str) -> bool:
         socket = place.input(name)
-        return socket is not None and live_link(socket) is not None
+        return socket is not None and is_fed(socket, place.groups)
 
     def value(self, place: Place, name: str) -> int:
         """The register of an input socket's value; zero if the node has no such socket in this version."""

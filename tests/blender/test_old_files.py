@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Materials of .blend files from older Blenders as they load: those that Blender 3.4 comes with, of 2.78 and 2.82."""
+
+from pathlib import Path
+
+import bpy
+import numpy as np
+import pytest
+from cycles_reference import (
+    away_from_edges,
+    colour,
+    converge_cycles,
+    object_index,
+    relative_rmse,
+    render_with_cycles,
+    render_with_penumbra,
+)
+from helpers import diffuse_material
+from material_scenes import show
+from penumbra import statistics
+
+LIBRARY = Path(bpy.utils.system_resource("SCRIPTS")) / "addons/materials_library_vx"
+FILES = {"sample_materials.blend": 35, "templates.blend": 14}
+"""Files and how many materials each has."""
+SAME_AS_CYCLES = ("Fresnel", "Blaster Bolt (Blue)", "Fake Shading", "Template_double_sided")
+"""Without a note, without displacement or an index of refraction, and no highlight narrower than a pixel."""
+
+pytestmark = pytest.mark.skipif(not LIBRARY.is_dir(), reason="this Blender comes without its library of materials")
+
+
+def materials_of(file: str) -> list[str]:
+    with bpy.data.libraries.load(str(LIBRARY / file)) as (source, _):
+        return list(source.materials)
+
+
+def load(name: str):
+    for file in FILES:
+        if name in materials_of(file):
+            with bpy.data.libraries.load(str(LIBRARY / file)) as (_, target):
+                target.materials = [name]
+            return target.materials[0]
+    raise AssertionError(name)
+
+
+@pytest.mark.parametrize("name", SAME_AS_CYCLES)
+def test_old_material(scene, name):
+    """What it shows and what light it sends, on a grey floor: mean within 0.5 % of Cycles', RMSE within twice its noise
+    and 1 %."""
+    _, ball = show(scene, load(name), diffuse_material("Grey"))
+    ours = render_with_penumbra(scene)
+    assert statistics.last_render["warnings"] == []
+    cycles, noise = converge_cycles(scene, samples=256)
+    inside, expected = away_from_edges(cycles, margin=1), colour(cycles)
+    is_ball = object_index(cycles) == ball.pass_index
+    for where in (inside & is_ball, inside & ~is_ball):
+        difference = colour(ours) - expected
+        assert where.sum() > 100
+        assert abs(difference[where].mean()) < 5e-3 * expected[where].mean()
+        assert relative_rmse(difference, expected, where) < 2 * relative_rmse(noise, expected, where) + 0.01
+
+
+@pytest.mark.parametrize("file", FILES)
+def test_all_old_materials_render(scene, file):
+    """Each gives a finite picture; where it is not near Cycles' a note names the material, and where none does either
+    it is near, but for highlights narrower than a pixel (at most 5 % of the pixels)."""
+    names = materials_of(file)
+    assert len(names) == FILES[file]
+    grey = diffuse_material("Grey")
+    _, ball = show(scene, grey, grey)
+    scene.penumbra.mirror_depth = 1
+    scene.objects["Floor"].visible_glossy = False  # with no bounces Cycles' mirrors show lights alone
+    silent = []
+    for name in names:
+        ball.data.materials[0] = load(name)
+        ours = colour(render_with_penumbra(scene))
+        assert np.isfinite(ours).all() and ours.max() > 0.1, name
+        notes = statistics.last_render["warnings"]
+        assert all(note.startswith(f"material {name!r}: ") for note in notes)
+        if notes:
+            continue
+        silent.append(name)
+        cycles = render_with_cycles(scene, samples=256)
+        inside = away_from_edges(cycles, margin=1)
+        far = np.abs(ours - colour(cycles)).max(-1)[inside] > 0.05 * np.maximum(colour(cycles).max(-1)[inside], 0.2)
+        assert far.mean() < 0.05, (name, far.mean())
+    assert len(silent) >= 2
