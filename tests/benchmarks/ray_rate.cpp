@@ -96,7 +96,7 @@ Count trace_raw(RTCScene scene, const std::vector<PixelRays>& all) {
       std::memcpy(packet.dir_x, rays.x + p * kPacket, sizeof(packet.dir_x));
       std::memcpy(packet.dir_y, rays.y + p * kPacket, sizeof(packet.dir_y));
       std::memcpy(packet.dir_z, rays.z + p * kPacket, sizeof(packet.dir_z));
-      embree::occluded16(valid, scene, packet, nullptr);
+      embree::occluded16(valid, scene, packet, nullptr, nullptr, nullptr);
       uint32_t hit = 0;
       for (uint32_t k = 0; k < kPacket; ++k) hit |= uint32_t(packet.tfar[k] < 0) << k;
       count.rays += std::popcount(active);

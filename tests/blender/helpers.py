@@ -15,6 +15,8 @@ from penumbra import compat
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 CHANNEL_ORDER = "RGBXYZWUVA"
+HANGS_SECONDS = 600
+"""After which another Blender is taken to hang; each ends in seconds on a machine with no other work."""
 
 
 def read_exr(path) -> dict[str, np.ndarray]:
@@ -218,7 +220,7 @@ def blender_program() -> str:
 
 
 def run_blender(
-    *arguments, cwd=None, timeout=120, environment=None, within=(), options=("-b",)
+    *arguments, cwd=None, timeout=HANGS_SECONDS, environment=None, within=(), options=("-b",)
 ) -> subprocess.CompletedProcess:
     """Another `blender -b --factory-startup ARGUMENTS` with empty user folders; stdout and stderr as text.
 
@@ -240,7 +242,7 @@ def run_script(script, environment: dict | None = None) -> subprocess.CompletedP
         return run_blender("--python-exit-code", "1", "-P", script, environment=environment)
     variables = {**os.environ, **(environment or {})}
     return subprocess.run(
-        [sys.executable, script], timeout=120, env=variables, capture_output=True, text=True, errors="replace",
+        [sys.executable, script], timeout=HANGS_SECONDS, env=variables, capture_output=True, text=True, errors="replace",
         check=False,
     )  # fmt: skip
 

@@ -15,7 +15,7 @@ import numpy as np
 from penumbra.engine import PenumbraRenderEngine
 
 RESULT = sys.argv[sys.argv.index("--") + 1]
-TIMEOUT_SECONDS, POLL_SECONDS = 60, 0.05
+TIMEOUT_SECONDS, POLL_SECONDS = 240, 0.05
 rendered: list = []
 
 

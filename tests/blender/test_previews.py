@@ -34,7 +34,7 @@ def previews(engine, tmp_path_factory):
         "--addons", "penumbra", folder / "scene.blend", "-P", Path(__file__).with_name("preview_session.py"),
         "--", folder / "previews.npz",
         within=["xvfb-run", "-a", "-s", "-screen 0 640x480x24 -ac +extension GLX +render -noreset"],
-        options=["-p", "0", "0", "640", "480"], timeout=400,
+        options=["-p", "0", "0", "640", "480"],
         environment={"BLENDER_USER_SCRIPTS": str(addons.parent), "LIBGL_ALWAYS_SOFTWARE": "1"},
     )  # fmt: skip
     log = process.stdout + process.stderr

@@ -10,6 +10,7 @@ import bpy
 import numpy as np
 import pytest
 from helpers import (
+    HANGS_SECONDS,
     REPOSITORY,
     add_area_light,
     add_camera,
@@ -154,14 +155,14 @@ def test_interrupting_leaves_nothing_behind(blend_file, tmp_path):
         + arguments,
         cwd=blend_file.parent, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
     )  # fmt: skip
-    deadline = time.monotonic() + 60
+    deadline = time.monotonic() + HANGS_SECONDS
     while not started.exists() and time.monotonic() < deadline:
         time.sleep(0.1)
     time.sleep(1.0)  # into the render, which takes many times that
     process.send_signal(signal.SIGINT)
     start = time.monotonic()
-    _, errors = process.communicate(timeout=60)
+    _, errors = process.communicate(timeout=HANGS_SECONDS)
     assert process.returncode != 0
     assert "render.py: the render was cancelled" in errors
-    assert time.monotonic() - start < 10
+    assert time.monotonic() - start < 60  # the whole render takes many minutes
     assert pictures(blend_file) == []

@@ -68,7 +68,7 @@ def session(engine, tmp_path_factory):
     process = run_blender(
         "--addons", "penumbra", folder / "scene.blend", "-P", Path(__file__).with_name("viewport_session.py"),
         "--", folder / "Xvfb_screen0", folder,
-        within=["xvfb-run", "-a", "-s", server], options=["-p", "0", "0", str(width), str(height)], timeout=400,
+        within=["xvfb-run", "-a", "-s", server], options=["-p", "0", "0", str(width), str(height)], timeout=1200,
         environment={"BLENDER_USER_SCRIPTS": str(addons.parent), "LIBGL_ALWAYS_SOFTWARE": "1"},
     )  # fmt: skip
     log = process.stdout + process.stderr
@@ -168,8 +168,8 @@ def test_a_transparent_film_shows_the_background_of_the_view(session):
 
 
 def test_a_change_cancels_what_runs_and_leaving_frees_it(session):
-    """ "ask_too_much" would take minutes; 5 s for the first picture of another view are for a busy machine."""
-    assert session["turn"]["seconds_to_first_picture"] < 5
+    """ "ask_too_much" would take minutes; 20 s for the first picture of another view are for a busy machine."""
+    assert session["turn"]["seconds_to_first_picture"] < 20
     assert abs(session["turn"]["picture"] - session["ask_too_much"]["picture"]).max() > 0.1
     assert session["left"] == 0
 

@@ -50,7 +50,7 @@ def measured(engine, tmp_path_factory):
         "--addons", "penumbra", folder / "scene.blend", "-P", Path(__file__).with_name("viewport_speed.py"),
         "--", folder / "speed.json",
         within=["xvfb-run", "-a", "-s", f"-screen 0 {width}x{height}x24 -ac +extension GLX +render -noreset"],
-        options=["-p", "0", "0", str(width), str(height)], timeout=400,
+        options=["-p", "0", "0", str(width), str(height)], timeout=1200,
         environment={"BLENDER_USER_SCRIPTS": str(addons.parent), "LIBGL_ALWAYS_SOFTWARE": "1"},
     )  # fmt: skip
     log = process.stdout + process.stderr

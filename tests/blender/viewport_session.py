@@ -20,7 +20,7 @@ from mathutils import Matrix, Quaternion
 from penumbra import progressive, viewport
 
 SCREEN, FOLDER = (Path(text) for text in sys.argv[sys.argv.index("--") + 1 :])
-TIMEOUT_SECONDS = 60
+TIMEOUT_SECONDS = 240
 FINAL_SIZE = (48, 32)
 MANY_SAMPLES = 65536
 """A second for FINAL_SIZE, a minute and more for the view."""

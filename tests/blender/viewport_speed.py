@@ -19,7 +19,7 @@ from mathutils import Matrix
 from penumbra import viewport
 
 RESULT = Path(sys.argv[sys.argv.index("--") + 1])
-REPEATS, POLL_SECONDS, TIMEOUT_SECONDS = 5, 0.004, 60
+REPEATS, POLL_SECONDS, TIMEOUT_SECONDS = 5, 0.004, 240
 MOST_REPEATS = 25
 """Where the best of REPEATS is not as good as it is to be: other work on the machine makes some slower, none faster."""
 EXTRA_SECONDS = {"orbit": 0.0, "move": 0.15, "dim": 0.15, "paint": 0.15, "deform": 0.3}

@@ -16,5 +16,5 @@ def command(code: str) -> list[str]:
     return [sys.executable, "-c", f"import sys\nsys.path += {PATHS!r}\n" + textwrap.dedent(code)]
 
 
-def run_code(code: str, timeout: float = 100) -> subprocess.CompletedProcess:
+def run_code(code: str, timeout: float = 600) -> subprocess.CompletedProcess:
     return subprocess.run(command(code), capture_output=True, text=True, check=False, timeout=timeout)
