@@ -18,17 +18,15 @@ namespace penumbra {
 struct ShadingPoint {
   const SurfacePoint& surface;
   const Closures& material;
-  Vec3d mirror_direction;  // unit
-  Vec3f normal, view;      // unit; `view` points to the viewer
+  Vec3d mirror_direction;  // unit; where there is a Phong lobe
+  Vec3f normal, view;      // unit; `view` points to the viewer, where there are further lobes
   bool has_glossy;         // a lobe whose visible part is not Lambert's
 
   ShadingPoint(const SurfacePoint& s, const Closures& m, const Vec3d& ray_direction)
-      : surface(s),
-        material(m),
-        mirror_direction(normalize(reflect(ray_direction, s.normal))),
-        normal(s.normal),
-        view(normalize(-ray_direction)),
-        has_glossy(m.has_glossy()) {}
+      : surface(s), material(m), normal(s.normal), has_glossy(m.has_glossy()) {
+    if (max_component(m.phong) > 0) mirror_direction = normalize(reflect(ray_direction, s.normal));
+    if (m.lobe_count > 0) view = Vec3f(normalize(-ray_direction));
+  }
 };
 
 /// The glossy lobes as one weight a light point: out[i] = form_factor[i] x pi x (BRDF / albedo) of the Phong

@@ -45,7 +45,7 @@ class BlockRenderer {
  private:
   Ray primary_ray(uint32_t x, uint32_t y, uint32_t s) const;
   void trace(uint32_t s);
-  void follow(const Ray& ray, const Hit& hit, uint32_t pixel, uint32_t s);
+  void follow(const HitColumns& found, uint32_t ray, uint32_t pixel, uint32_t s);
   PathRecord record_of(uint32_t pixel, bool first);
   void add_light(PixelSums& pixel, const PixelLight& light) const;
   PixelValues resolve(const PixelSums& pixel) const;
@@ -71,15 +71,16 @@ Ray BlockRenderer::primary_ray(uint32_t x, uint32_t y, uint32_t s) const {
   double dx = 0, dy = 0;
   if (c_.settings.pixel_samples > 1 && c_.pixel_rays.spread()) {
     Ray ray;
-    c_.pixel_rays.make(uint64_t(y) * c_.settings.width + x, x, y, s, 1, &ray, &dx, &dy);
+    const PixelSamples one{x, y, {uint64_t(y) * c_.settings.width + x, s, 1}};
+    c_.pixel_rays.make({&one, 1}, &ray, &dx, &dy);
     return ray;
   }
   if (c_.settings.pixel_samples > 1) {
     alignas(64) float u[kPacket], v[kPacket];
     const uint64_t pixel = uint64_t(y) * c_.settings.width + x;
     c_.pixel_sampler.points({pixel, ~pixel}, s / kPacket * kPacket, kPacket, u, v);
-    dx = c_.filter.offset(u[s % kPacket]);
-    dy = c_.filter.offset(v[s % kPacket]);
+    c_.filter.offsets(u + s % kPacket, 1, &dx);
+    c_.filter.offsets(v + s % kPacket, 1, &dy);
   }
   return c_.camera.through(x + 0.5 + dx, y + 0.5 + dy);
 }
@@ -91,29 +92,29 @@ void BlockRenderer::trace(uint32_t s) {
   background_.assign(block_.pixels(), {});
   constexpr uint32_t kSide = 4;
   Ray rays[kPacket];
-  Hit hits[kPacket];
+  HitColumns found;
   for (uint32_t y = area_.y / kSide * kSide; y < area_.y + area_.height; y += kSide) {
     for (uint32_t x = area_.x / kSide * kSide; x < area_.x + area_.width; x += kSide) {
       for (uint32_t i = 0; i < kPacket; ++i) rays[i] = primary_ray(x + i % kSide, y + i / kSide, s);
       tally_.light.stop_if_cancelled();
-      c_.geometry.intersect(rays, 0xFFFF, hits);
+      c_.geometry.find_surfaces(rays, kPacket, found);
       for (uint32_t i = 0; i < kPacket; ++i) {
         const uint32_t bx = x + i % kSide - area_.x, by = y + i / kSide - area_.y;  // wraps below the area
         if (bx >= block_.width || by >= block_.height) continue;
         ++tally_.primary_rays;
-        follow(rays[i], hits[i], by * block_.width + bx, s);
+        follow(found, i, by * block_.width + bx, s);
       }
     }
   }
 }
 
 /// The points that one primary ray sees; its data passes, if it is the pixel's first.
-void BlockRenderer::follow(const Ray& ray, const Hit& hit, uint32_t pixel, uint32_t s) {
+void BlockRenderer::follow(const HitColumns& found, uint32_t ray, uint32_t pixel, uint32_t s) {
   const uint64_t frame_pixel =
       uint64_t(area_.y + pixel / block_.width) * c_.settings.width + area_.x + pixel % block_.width;
   const PathRecord record = record_of(pixel, s == 0);
   PathEnd end;
-  c_.paths.follow(ray, hit, pixel, frame_pixel * c_.settings.pixel_samples + s, points_, tally_.mirror_rays,
+  c_.paths.follow(found, ray, pixel, frame_pixel * c_.settings.pixel_samples + s, points_, tally_.mirror_rays,
                   end, c_.extras.any() ? &record : nullptr);
   PixelSums& sums = pixels_[pixel];
   background_[pixel] = end.background;

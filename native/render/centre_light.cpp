@@ -31,7 +31,6 @@ CentreLight::CentreLight(const RenderContext& context, const Block& block, Filte
       first_point_(block.pixels(), kNone),
       path_length_(block.pixels(), 0),
       item_of_(size_t(block.pixels()) * pairs_, kNone),
-      light_(block.pixels()),
       sampler_(context.geometry, context.luminaires, context.light_sampler, points_, settings_) {}
 
 bool CentreLight::uncertain(uint32_t p, uint32_t pair) const {
@@ -50,11 +49,11 @@ void CentreLight::start(std::span<const uint32_t> pixels) {
 
 void CentreLight::trace(std::span<const uint32_t> pixels) {
   Ray rays[kPacket];
-  Hit hits[kPacket];
   for (size_t i = 0; i < pixels.size(); ++i)
     rays[i] = c_.camera.through(frame_.area.x + pixels[i] % block_.width + 0.5,
                                 frame_.area.y + pixels[i] / block_.width + 0.5);
-  c_.geometry.intersect(rays, (1u << pixels.size()) - 1, hits);
+  HitColumns found;
+  c_.geometry.find_surfaces(rays, uint32_t(pixels.size()), found);
   tally_.primary_rays += pixels.size();
   for (size_t i = 0; i < pixels.size(); ++i) {
     const uint32_t p = pixels[i];
@@ -62,7 +61,7 @@ void CentreLight::trace(std::span<const uint32_t> pixels) {
         uint64_t(frame_.area.y + p / block_.width) * c_.settings.width + frame_.area.x + p % block_.width;
     first_point_[p] = uint32_t(points_.size());
     PathEnd end;
-    c_.paths.follow(rays[i], hits[i], p, stream, points_, tally_.mirror_rays, end);
+    c_.paths.follow(found, uint32_t(i), p, stream, points_, tally_.mirror_rays, end);
     path_length_[p] = uint32_t(points_.size()) - first_point_[p];
     if (edge_between(end, pixels_[p].first)) frame_.edge[p] = 1;
   }
@@ -165,6 +164,8 @@ std::vector<uint32_t> CentreLight::keep_smooth(std::span<const uint32_t> pixels,
 }
 
 void CentreLight::refine(std::span<const uint32_t> pixels, const Rectangle& tile) {
+  if (pixels.empty()) return;
+  light_.resize(block_.pixels());
   const std::vector<uint32_t> smooth = keep_smooth(pixels, tile, true);
   std::vector<BoundedItem*> items;
   for (uint32_t p : smooth) {

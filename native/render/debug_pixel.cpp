@@ -63,8 +63,8 @@ std::string debug_pixel(const RenderContext& c, const Rectangle& block, uint32_t
 
   std::ostringstream out;
   const Ray ray = c.camera.through(x + 0.5, y + 0.5);
-  Hit hit;
-  c.geometry.intersect(&ray, 1, &hit);
+  HitColumns found;
+  c.geometry.find_surfaces(&ray, 1, found);
   // BOUNDED's own points; FIXED's come in another order, neighbours first.
   const auto sampler =
       make_sampler({SamplerKind::kOwenSobol, SampleReuse::kScrambled, c.settings.seed, kPacket, false});
@@ -72,7 +72,7 @@ std::string debug_pixel(const RenderContext& c, const Rectangle& block, uint32_t
   uint64_t mirror_rays = 0;
   const uint64_t frame_pixel = uint64_t(y) * c.settings.width + x;
   PathEnd end;
-  c.paths.follow(ray, hit, 0, frame_pixel * c.settings.pixel_samples, points, mirror_rays, end);
+  c.paths.follow(found, 0, 0, frame_pixel * c.settings.pixel_samples, points, mirror_rays, end);
   out << pixel_name(x, y, end.object) << ", ray through its centre\n";
   const Normalization& n = c.geometry.normalization();
   for (const LitPoint& lit : points) {

@@ -33,6 +33,8 @@ class FilteredBlock {
  private:
   std::span<Slot> slots(uint32_t p) { return frame_.of_pixel(p); }
   bool in_core(uint32_t p, int margin) const;
+  /// Penumbra on a smooth surface: rays from the centre serve.
+  bool is_smooth(uint32_t p) const { return frame_.uncertain[p] && !frame_.edge[p]; }
   template <typename Function>
   void for_quads(Function function);
   template <typename Function>
@@ -187,10 +189,11 @@ void FilteredBlock::fit_plane(const SampleRun& run, uint32_t lane) {
   const PlaneFit fit(packet_.dx + lane, packet_.dy + lane);
   const PathEnd* ends = packet_.ends + lane;
   Vec3d residual;
+  bool uncertain = false;
   for (uint32_t i = 0; i < kFirstSamples; ++i) {
     pixel.background_fitted += ends[i].background * fit.h[i];
     residual += ends[i].background * fit.r[i];
-    pixel.uncertain = pixel.uncertain || ends[i].object != ends[0].object || ends[i].lights != ends[0].lights;
+    uncertain = uncertain || ends[i].object != ends[0].object || ends[i].lights != ends[0].lights;
   }
   for (const Contribution& one : packet_.contributions()) {
     if (one.lane - lane >= kFirstSamples) continue;  // another pixel's; wraps below
@@ -198,34 +201,34 @@ void FilteredBlock::fit_plane(const SampleRun& run, uint32_t lane) {
     residual += one.unshadowed * fit.r[one.lane - lane];
   }
   pixel.residual = max_abs(residual) * display_scale_;
-  pixel.uncertain = pixel.uncertain || pixel.residual > kResidualShare * tolerance_;
+  frame_.uncertain[run.pixel] = uncertain || pixel.residual > kResidualShare * tolerance_;
 }
 
 void FilteredBlock::find_uncertain() {
   std::vector<uint8_t>& edges = frame_.edge;
   for (uint32_t p = 0; p < block_.pixels(); ++p) {
     const uint32_t x = p % block_.width, y = p / block_.width;
-    bool edge = pixels_[p].uncertain || c_.pixel_rays.spread();
+    bool edge = frame_.uncertain[p] || c_.pixel_rays.spread();
     if (x + 1 < block_.width) edge = edge || edge_between(pixels_[p].first, pixels_[p + 1].first);
     if (y + 1 < block_.height) edge = edge || edge_between(pixels_[p].first, pixels_[p + block_.width].first);
     edges[p] = edge;
   }
   spread(edges, block_.width, block_.height, c_.filter.reach());
-  for (uint32_t p = 0; p < block_.pixels(); ++p) pixels_[p].uncertain = edges[p];
-  std::vector<uint8_t> flags(block_.pixels());
+  frame_.uncertain = edges;
+  std::vector<uint8_t> flags(block_.pixels()), blind(block_.pixels());
 
   for (uint32_t s = 0; s < frame_.slot_count; ++s) {
     constexpr uint8_t kLit = 1, kDark = 2;
-    for (uint32_t p = 0; p < block_.pixels(); ++p)
-      flags[p] = uint8_t((slots(p)[s].lit ? kLit : 0) | (slots(p)[s].dark ? kDark : 0));
-    spread(flags, block_.width, block_.height, kGateReach);
-    const bool wide = c_.luminaires[s / (frame_.glossy ? 2 : 1) % c_.luminaires.size()].is_wide();
     for (uint32_t p = 0; p < block_.pixels(); ++p) {
       const Slot& slot = slots(p)[s];
+      flags[p] = uint8_t((slot.lit ? kLit : 0) | (slot.dark ? kDark : 0));
       // Most points of the first look lay below the horizon, and yet light arrives.
-      const bool blind = 2 * slot.rays < kFirstSamples && max_abs(slot.now.unshadowed) > 0;
-      if (flags[p] == (kLit | kDark) || (wide && flags[p]) || blind) mark_uncertain(p, s);
+      blind[p] = 2 * slot.rays < kFirstSamples && max_abs(slot.now.unshadowed) > 0;
     }
+    spread(flags, block_.width, block_.height, kGateReach);
+    const bool wide = c_.luminaires[s / (frame_.glossy ? 2 : 1) % c_.luminaires.size()].is_wide();
+    for (uint32_t p = 0; p < block_.pixels(); ++p)
+      if (flags[p] == (kLit | kDark) || (wide && flags[p]) || blind[p]) mark_uncertain(p, s);
   }
   for (uint32_t p = 0; p < block_.pixels(); ++p) mark_unseen(p);
 }
@@ -234,7 +237,7 @@ void FilteredBlock::find_uncertain() {
 void FilteredBlock::mark_uncertain(uint32_t p, uint32_t s) {
   const uint32_t lobes = frame_.glossy ? 2 : 1, pair = s / lobes;
   for (uint32_t lobe = 0; lobe < lobes; ++lobe) slots(p)[pair * lobes + lobe].uncertain = true;
-  pixels_[p].uncertain = true;
+  frame_.uncertain[p] = 1;
   if (c_.luminaires[pair % c_.luminaires.size()].is_point()) frame_.edge[p] = 1;
 }
 
@@ -251,7 +254,8 @@ void FilteredBlock::flood() {
   for (uint32_t s = 0; s < frame_.slot_count; ++s) {
     for (uint32_t p = 0; p < block_.pixels(); ++p)
       flags[p] =
-          (pixels_[p].count > kFirstSamples && slots(p)[s].lit && slots(p)[s].dark) || centres_.mixed(p, s);
+          frame_.uncertain[p] &&
+          ((pixels_[p].count > kFirstSamples && slots(p)[s].lit && slots(p)[s].dark) || centres_.mixed(p, s));
     spread(flags, block_.width, block_.height, kFloodReach);
     for (uint32_t p = 0; p < block_.pixels(); ++p)
       if (flags[p]) mark_uncertain(p, s);
@@ -265,7 +269,7 @@ void FilteredBlock::flood() {
 void FilteredBlock::start(std::span<const uint32_t> quad, int margin) {
   uint32_t smooth[4], count = 0;
   for (uint32_t p : quad)
-    if (pixels_[p].uncertain && !frame_.edge[p] && in_core(p, margin)) smooth[count++] = p;
+    if (is_smooth(p) && in_core(p, margin)) smooth[count++] = p;
   centres_.start({smooth, count});
   first_level(quad, margin);
 }
@@ -301,7 +305,7 @@ std::vector<uint32_t> FilteredBlock::pixels_of(const Rectangle& tile, Condition 
 }
 
 void FilteredBlock::refine_smooth(const Rectangle& tile) {
-  const auto smooth = [this](uint32_t p) { return pixels_[p].uncertain && !frame_.edge[p]; };
+  const auto smooth = [this](uint32_t p) { return is_smooth(p); };
   centres_.refine(pixels_of(tile, smooth), tile);
 }
 
@@ -330,7 +334,7 @@ void FilteredBlock::refine_edges(const Rectangle& tile) {
 /// For --debug-pixel.
 void FilteredBlock::tell(PixelTrace& trace) {
   const uint32_t p = trace.pixel;
-  const bool smooth = pixels_[p].uncertain && !frame_.edge[p];
+  const bool smooth = is_smooth(p);
   if (smooth) centres_.tell(trace);
   penumbra::tell(trace, pixels_[p], slots(p), uint32_t(c_.luminaires.size()), frame_.glossy ? 2 : 1, smooth);
 }
@@ -344,8 +348,8 @@ void FilteredBlock::write() {
     const std::span<const Slot> slot = slots(p);
     PixelLight light = pixel.light(slot);
     // A certain pixel: what its first look may have missed, as far as the calibration lets it.
-    if (!pixel.uncertain) light = {pixel.fitted(slot), tolerance_ / 2, pixel.light_points};
-    if (pixel.uncertain && !frame_.edge[p]) light = centres_.light(p);
+    if (!frame_.uncertain[p]) light = {pixel.fitted(slot), tolerance_ / 2, pixel.light_points};
+    if (is_smooth(p)) light = centres_.light(p);
     PixelValues values;
     values.combined = light.radiance;
     values.alpha = pixel.alpha / pixel.count;

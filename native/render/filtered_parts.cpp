@@ -68,7 +68,7 @@ std::vector<Vec3d> FilteredParts::parts_of(uint32_t p, const FilteredPixel& pixe
     add_light(parts, c_.luminaires[s / lobes % c_.luminaires.size()],
               s % lobes ? kGlossyLight : kDiffuseLight, light, mirrored);
   }
-  if (pixel.uncertain && !edge) centres.add_parts(p, parts);
+  if (frame_.uncertain[p] && !edge) centres.add_parts(p, parts);
   return parts;
 }
 

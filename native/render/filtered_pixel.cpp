@@ -20,7 +20,8 @@ bool edge_between(const PathEnd& a, const PathEnd& b) {
   const SeenPoint &s = a.first, &t = b.first;
   if (dot(s.normal, t.normal) < kEdgeCosine) return true;
   const Vec3d between = t.position - s.position;
-  return std::abs(dot(between, s.geometric_normal)) > kEdgeSlope * length(between);
+  const double off = dot(between, s.geometric_normal);
+  return off * off > kEdgeSlope * kEdgeSlope * dot(between, between);
 }
 
 PlaneFit::PlaneFit(const double* px, const double* py) {
@@ -112,36 +113,44 @@ double FilteredPixel::unknown_variance(std::span<const Slot> slots, double displ
   return sum;
 }
 
-void FilteredPixel::remember_power(std::span<Slot> slots) {
-  background_power = background;
-  alpha_power = alpha;
-  for (Slot& slot : slots) slot.power = slot.now;
+void FilteredPixel::remember_power(std::span<const Slot> slots) {
+  if (!history) history = std::make_unique<History>();
+  LevelSums& power = history->power;
+  power.background = background;
+  power.alpha = alpha;
+  power.slots.clear();
+  for (const Slot& slot : slots) power.slots.push_back(slot.now);
 }
 
-void FilteredPixel::close_level(std::span<Slot> slots, double display_scale, double dimensions) {
+void FilteredPixel::close_level(std::span<const Slot> slots, double display_scale, double dimensions) {
+  const LevelSums &half = history->half, &power = history->power;
   const bool power_of_two = (count & (count - 1)) == 0;
   const int blocks = power_of_two ? 2 : 3;
   const double size = double(count) / blocks;
   Vec3d values[3];
-  double alphas[3] = {alpha_half, alpha_power - alpha_half, alpha - alpha_power};
+  double alphas[3];
   if (power_of_two) {
-    alphas[0] = alpha_power;
-    alphas[1] = alpha - alpha_power;
-    values[0] = background_power / size;
-    values[1] = (background - background_power) / size;
+    alphas[0] = power.alpha;
+    alphas[1] = alpha - power.alpha;
+    values[0] = power.background / size;
+    values[1] = (background - power.background) / size;
   } else {
-    values[0] = background_half / size;
-    values[1] = (background_power - background_half) / size;
-    values[2] = (background - background_power) / size;
+    alphas[0] = half.alpha;
+    alphas[1] = power.alpha - half.alpha;
+    alphas[2] = alpha - power.alpha;
+    values[0] = half.background / size;
+    values[1] = (power.background - half.background) / size;
+    values[2] = (background - power.background) / size;
   }
-  for (const Slot& slot : slots) {
+  for (size_t s = 0; s < slots.size(); ++s) {
+    const Slot& slot = slots[s];
     if (power_of_two) {
-      values[0] += slot.radiance(slot.power, size);
-      values[1] += slot.radiance(slot.now - slot.power, size);
+      values[0] += slot.radiance(power.slots[s], size);
+      values[1] += slot.radiance(slot.now - power.slots[s], size);
     } else {
-      values[0] += slot.radiance(slot.half, size);
-      values[1] += slot.radiance(slot.power - slot.half, size);
-      values[2] += slot.radiance(slot.now - slot.power, size);
+      values[0] += slot.radiance(half.slots[s], size);
+      values[1] += slot.radiance(power.slots[s] - half.slots[s], size);
+      values[2] += slot.radiance(slot.now - power.slots[s], size);
     }
   }
   Vec3d mean, squares;
@@ -156,9 +165,7 @@ void FilteredPixel::close_level(std::span<Slot> slots, double display_scale, dou
   variance = std::max(max_component(squares) * display_scale * display_scale, alpha_squares) *
              share_of_blocks(blocks, 1 + 1 / dimensions);
   if (!power_of_two) return;
-  background_half = background_power;
-  alpha_half = alpha_power;
-  for (Slot& slot : slots) slot.half = slot.power;
+  std::swap(history->half, history->power);
   remember_power(slots);
 }
 

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <span>
+#include <vector>
 
 #include "render/film.h"
 #include "render/paths.h"
@@ -24,12 +26,13 @@ struct SlotSums {
 };
 
 struct Slot {
-  SlotSums now, half, power;  // now, and at the two powers of two before
+  SlotSums now;
   Vec3d fitted;  // unshadowed radiance at the pixel's centre, by a plane through the first samples
   bool lit = false, dark = false;  // seen by some ray
   bool uncertain = false;
   uint32_t rays = 0;  // samples whose point on the luminaire was above the horizon, and looked at
 
+  Slot() {}  // without it a vector of them is zeroed once more
   /// Radiance from `s`, sums over `count` samples: unshadowed mean x visible fraction.
   Vec3d radiance(const SlotSums& s, double count) const { return s.unshadowed / count * visible(s); }
   Vec3d fitted_radiance() const { return fitted * (lit ? 1.0 : 0.0); }
@@ -41,18 +44,32 @@ struct Slot {
   }
 };
 
+/// A pixel's sums up to some sample.
+struct LevelSums {
+  Vec3d background;
+  double alpha = 0;
+  std::vector<SlotSums> slots;
+};
+
 struct FilteredPixel {
-  uint32_t count = 0;                                                      // samples
-  Vec3d background, background_half, background_power, background_fitted;  // sums; at the centre
-  double alpha = 0, alpha_half = 0, alpha_power = 0;                       // sums
-  double x = 0, xx = 0;  // sums of each sample's own value and its square, display units
-  double residual = 0;   // of the plane through the first samples' unshadowed values, display units
-  double variance = 0;   // of the estimate, by its blocks, display units squared
-  double charged = 0;    // error of what was left out, display units
-  double error = 0;      // reported
+  FilteredPixel() {}  // as above
+
+  uint32_t count = 0;  // samples
+  bool at_limit = false;
+  Vec3d background, background_fitted;  // sum; at the centre
+  double alpha = 0;                     // sum
+  double x = 0, xx = 0;                 // sums of each sample's own value and its square, display units
+  double residual = 0;  // of the plane through the first samples' unshadowed values, display units
+  double variance = 0;  // of the estimate, by its blocks, display units squared
+  double charged = 0;   // error of what was left out, display units
+  double error = 0;     // reported
   uint64_t light_points = 0;
-  bool uncertain = false, at_limit = false;
   PathEnd first;
+  /// At the two powers of two before; few pixels have levels.
+  struct History {
+    LevelSums half, power;
+  };
+  std::unique_ptr<History> history;
 
   /// From all samples.
   PixelLight light(std::span<const Slot> slots) const {
@@ -71,10 +88,10 @@ struct FilteredPixel {
   /// Of luminaires that no sample could look at: all of their light. Neighbours can't help here.
   double unknown_variance(std::span<const Slot> slots, double display_scale) const;
   /// Half of the first level is done.
-  void remember_power(std::span<Slot> slots);
+  void remember_power(std::span<const Slot> slots);
   /// After the samples up to `count`, a level: the variance that its blocks tell; remembers the sums.
   /// dimensions: of a sample.
-  void close_level(std::span<Slot> slots, double display_scale, double dimensions);
+  void close_level(std::span<const Slot> slots, double display_scale, double dimensions);
 };
 
 /// What the pixel's samples decided about each luminaire, for --debug-pixel. lobes: of each luminaire in the

@@ -24,11 +24,10 @@ std::vector<LitPoint> probe(const RenderContext& c, const Rectangle& block) {
   uint64_t mirror_rays = 0;
   rays.resize((rays.size() + kPacket - 1) / kPacket * kPacket, rays.back());
   for (size_t first = 0; first < rays.size(); first += kPacket) {
-    Hit hits[kPacket];
+    HitColumns found;
     PathEnd end;
-    c.geometry.intersect(&rays[first], 0xFFFF, hits);
-    for (uint32_t i = 0; i < kPacket; ++i)
-      c.paths.follow(rays[first + i], hits[i], 0, 0, points, mirror_rays, end);
+    c.geometry.find_surfaces(&rays[first], kPacket, found);
+    for (uint32_t i = 0; i < kPacket; ++i) c.paths.follow(found, i, 0, 0, points, mirror_rays, end);
   }
   return points;
 }

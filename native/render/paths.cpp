@@ -44,11 +44,14 @@ std::vector<Luminaire> seen_luminaires(const Scene& scene, const Normalization& 
 
 /// A stretch of a path, between mirrors and transparent surfaces.
 struct PathTracer::Part {
+  Part(const Ray& r, const Hit& h, double f)
+      : ray(r), hit(h), footprint(f) {}  // as an aggregate: zeroed first
+
   Ray ray;
   Hit hit;
   Vec3d throughput{1, 1, 1};
   uint32_t mirrors = 0, passed = 0;
-  double t = 0, footprint = 0;  // at the ray's start
+  double t = 0, footprint;  // at the ray's start
 
   bool from_camera() const { return mirrors == 0; }
 };
@@ -61,6 +64,8 @@ PathTracer::PathTracer(const Scene& scene, const Geometry& geometry, const Mater
       seen_(seen_luminaires(scene, geometry.normalization())),
       mirror_depth_(scene.has_mirrors() ? settings.mirror_depth : 0),
       length_(mirror_depth_ + 1 + (scene.has_transparency() ? kMaxLitPassed : 0)),
+      perspective_(scene.camera().kind == CameraKind::kPerspective),
+      scale_(geometry.normalization().scale),
       pixel_(std::abs(scene.camera().window.right - scene.camera().window.left) / settings.width) {}
 
 /// What a part sees that meets nothing.
@@ -92,7 +97,7 @@ void PathTracer::see_luminaires(const Part& part, double t_far, PathEnd& end,
   }
 }
 
-void PathTracer::follow(const Ray& ray, const Hit& hit, uint32_t pixel, uint64_t stream,
+void PathTracer::follow(const HitColumns& found, uint32_t ray, uint32_t pixel, uint64_t stream,
                         std::vector<LitPoint>& points, uint64_t& mirror_rays, PathEnd& end,
                         const PathRecord* record) const {
   // Field by field: `first` is nothing without a hit.
@@ -101,11 +106,9 @@ void PathTracer::follow(const Ray& ray, const Hit& hit, uint32_t pixel, uint64_t
   end.lights = 0;
   end.hit = false;
   end.object = nullptr;
-  const bool perspective = scene_.camera().kind == CameraKind::kPerspective;
-  const double scale = geometry_.normalization().scale;
   uint32_t lit = 0, rays = 0;
   std::vector<Part> waiting;  // mirrors in surfaces that the path went through
-  Part part{.ray = ray, .hit = hit, .footprint = perspective ? 0 : pixel_ * scale};
+  Part part(found.rays[ray], found.hits[ray], perspective_ ? 0 : pixel_ * scale_);
   for (;;) {
     const double negligible = rays == 0          ? kNegligible
                               : rays < kMostRays ? std::ldexp(kNegligible, int(rays / kRaysPerDoubling))
@@ -118,13 +121,16 @@ void PathTracer::follow(const Ray& ray, const Hit& hit, uint32_t pixel, uint64_t
       const size_t number = points.size();
       LitPoint& point = points.emplace_back();
       SurfacePoint& surface = point.surface;
-      geometry_.surface_point(part.ray, part.hit, surface);
+      if (rays == 0)
+        geometry_.surface_point(found, ray, surface);
+      else
+        geometry_.surface_point(part.ray, part.hit, surface);
       const ObjectTraits& traits = geometry_.traits_of(part.hit.instance);
       const Material& material = scene_.materials()[surface.material];
       const double t = surface.t;
       see_luminaires(part, t, end, record);
       const double footprint =
-          part.footprint + (perspective ? t * pixel_ * (part.from_camera() ? scale : 1.0) : 0.0);
+          part.footprint + (perspective_ ? t * pixel_ * (part.from_camera() ? scale_ : 1.0) : 0.0);
       if (material.program)
         point.evaluated = std::make_shared<const Closures>(materials_.evaluate(
             *material.program, surface,
@@ -133,7 +139,7 @@ void PathTracer::follow(const Ray& ray, const Hit& hit, uint32_t pixel, uint64_t
       if (is_hole) point.evaluated = hole_of(point.evaluated ? *point.evaluated : material);
       const std::shared_ptr<const Closures> evaluated = point.evaluated;  // outlives the point
       const Closures& closures = evaluated ? *evaluated : material;
-      const double through = average(closures.transparency);
+      const double through = closures.transparency == Vec3d{} ? 0 : average(closures.transparency);
       if (is_hole && !end.object) end.object = &geometry_.name_of(part.hit);
       if (!is_hole && !end.hit && part.from_camera() && 1 - through > kSeenOpacity) {
         end.hit = true;
@@ -144,7 +150,7 @@ void PathTracer::follow(const Ray& ray, const Hit& hit, uint32_t pixel, uint64_t
       if (record)
         record->meet({surface, closures, part.throughput, part.mirrors, part.hit.instance, traits.light_group,
                       std::abs(dot(normalize(part.ray.direction), surface.normal)),
-                      (part.t + t) * penumbra::length(part.ray.direction) / scale});
+                      (part.t + t) * penumbra::length(part.ray.direction) / scale_});
       end.background += part.throughput * closures.emission;
       if (part.from_camera()) end.alpha -= average(part.throughput) * closures.holdout;
       const Vec3d position = surface.position, outward = surface.geometric_normal * surface.rounding,

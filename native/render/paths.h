@@ -34,10 +34,12 @@ class PathTracer {
   /// Most surface points on a path.
   uint32_t length() const { return length_; }
 
-  /// Appends the path's surface points. stream: number of the path among the frame's; pixel: in the block.
-  /// mirror_rays is increased by the rays traced. record: what passes want to know; null: nothing.
-  void follow(const Ray& ray, const Hit& hit, uint32_t pixel, uint64_t stream, std::vector<LitPoint>& points,
-              uint64_t& mirror_rays, PathEnd& end, const PathRecord* record = nullptr) const;
+  /// Appends the surface points of the path of one of the rays found. stream: number of the path among the
+  /// frame's; pixel: in the block. mirror_rays is increased by the rays traced. record: what passes want to
+  /// know; null: nothing.
+  void follow(const HitColumns& found, uint32_t ray, uint32_t pixel, uint64_t stream,
+              std::vector<LitPoint>& points, uint64_t& mirror_rays, PathEnd& end,
+              const PathRecord* record = nullptr) const;
 
  private:
   struct Part;
@@ -49,6 +51,8 @@ class PathTracer {
   const Materials& materials_;
   std::vector<Luminaire> seen_;  // luminaires that are seen themselves
   uint32_t mirror_depth_, length_;
+  bool perspective_;
+  double scale_;  // of the normalization
   double pixel_;  // width in the camera's window
 };
 

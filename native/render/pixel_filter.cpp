@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "math/simd.h"
+
 namespace penumbra {
 namespace {
 
@@ -27,6 +29,18 @@ double mass(int k) {
   return 0.5 * (double(k) / kQuantiles) * (double(k) / kQuantiles);
 }
 
+PENUMBRA_VECTORIZED
+void interpolate(const double* quantiles, const float* variates, uint32_t count, double* out) {
+  for (uint32_t i = 0; i < count; ++i) {
+    const double x = double(variates[i]), tail = x < 0.5 ? x : 1 - x,
+                 place = std::sqrt(2 * tail) * kQuantiles;
+    const int floor = int(place), k = floor < kQuantiles - 1 ? floor : kQuantiles - 1;
+    const double low = quantiles[k], high = quantiles[k + 1],
+                 distance = low + (place - double(k)) * (high - low);
+    out[i] = x < 0.5 ? -distance : distance;
+  }
+}
+
 }  // namespace
 
 PixelFilter::PixelFilter(FilterKind kind, double width)
@@ -44,11 +58,11 @@ PixelFilter::PixelFilter(FilterKind kind, double width)
   }
 }
 
-double PixelFilter::offset(double x) const {
-  if (quantiles_.empty()) return (x - 0.5) * support_;
-  const double side = x < 0.5 ? -1 : 1, place = std::sqrt(2 * std::min(x, 1 - x)) * kQuantiles;
-  const auto k = std::min(size_t(place), size_t(kQuantiles - 1));
-  return side * (quantiles_[k] + (place - double(k)) * (quantiles_[k + 1] - quantiles_[k]));
+void PixelFilter::offsets(const float* x, uint32_t count, double* out) const {
+  if (quantiles_.empty())
+    for (uint32_t i = 0; i < count; ++i) out[i] = (double(x[i]) - 0.5) * support_;
+  else
+    interpolate(quantiles_.data(), x, count, out);
 }
 
 }  // namespace penumbra

@@ -23,8 +23,8 @@ class PixelFilter {
   /// Second moment of the offsets along one axis, pixels squared.
   double variance() const { return variance_; }
 
-  /// Offset in pixels, distributed as the filter. x in [0, 1).
-  double offset(double x) const;
+  /// Offsets in pixels, distributed as the filter. x in [0, 1).
+  void offsets(const float* x, uint32_t count, double* out) const;
 
  private:
   double support_, variance_;

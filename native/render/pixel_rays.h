@@ -8,6 +8,12 @@
 
 namespace penumbra {
 
+/// Samples of the pixel whose bottom left corner is (x, y) in the full frame; their key is its number there.
+struct PixelSamples {
+  uint32_t x, y;
+  SampleRange range;
+};
+
 class PixelRays {
  public:
   /// moves: the scene, or the camera.
@@ -19,10 +25,8 @@ class PixelRays {
   /// Of a sample, its place on a luminaire included.
   int dimensions() const { return 4 + (camera_.has_lens() ? 2 : 0) + (moves_ ? 1 : 0); }
 
-  /// Rays of samples [first, first + count), count at most kPacket, of the pixel whose bottom left corner is
-  /// (x, y) in the full frame and whose number there is `key`; their places dx, dy in pixels from its centre.
-  void make(uint64_t key, uint32_t x, uint32_t y, uint32_t first, uint32_t count, Ray* rays, double* dx,
-            double* dy) const;
+  /// Rays of at most kPacket samples, pixel after pixel; their places dx, dy in pixels from its centre.
+  void make(std::span<const PixelSamples> pixels, Ray* rays, double* dx, double* dy) const;
 
  private:
   const CameraRays& camera_;

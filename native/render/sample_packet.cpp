@@ -25,6 +25,7 @@ FilteredFrame make_frame(const RenderContext& c, const Rectangle& area, const Bl
           glossy,
           slots,
           std::vector<Slot>(size_t(block.pixels()) * slots),
+          std::vector<uint8_t>(block.pixels()),
           std::vector<uint8_t>(block.pixels())};
 }
 
@@ -76,20 +77,23 @@ void SamplePacket::trace(std::span<const SampleRun> runs) {
 /// Camera rays, and the surface points that they see.
 void SamplePacket::find_points(std::span<const SampleRun> runs) {
   Ray rays[kPacket];
-  Hit hits[kPacket];
+  PixelSamples samples[kPacket];
   uint32_t lane = 0;
-  for (const SampleRun& run : runs) {
+  for (size_t r = 0; r < runs.size(); ++r) {
+    const SampleRun& run = runs[r];
     const uint64_t frame = frame_pixel(run.pixel);
-    c_.pixel_rays.make(frame, frame_.area.x + run.pixel % frame_.block_width,
-                       frame_.area.y + run.pixel / frame_.block_width, run.first, run.count, rays + lane,
-                       dx + lane, dy + lane);
+    samples[r] = {frame_.area.x + run.pixel % frame_.block_width,
+                  frame_.area.y + run.pixel / frame_.block_width,
+                  {frame, run.first, run.count}};
     for (uint32_t i = 0; i < run.count; ++i, ++lane) {
       lanes_[lane] = {run.pixel, run.first + i, frame};
       charge[lane] = 0;
       rays_of[lane] = 0;
     }
   }
-  c_.geometry.intersect(rays, (1u << lane) - 1, hits);
+  c_.pixel_rays.make({samples, runs.size()}, rays, dx, dy);
+  HitColumns found;
+  c_.geometry.find_surfaces(rays, lane, found);
   tally_.primary_rays += lane;
   points_.clear();
   const bool recorded = c_.extras.any();
@@ -100,8 +104,7 @@ void SamplePacket::find_points(std::span<const SampleRun> runs) {
     if (parts) record.parts = parts->of(i);
     if (!mattes.empty()) record.mattes = &mattes[i];
     if (recorded) record.seen = &(seen[i] = {});
-    c_.paths.follow(rays[i], hits[i], i, 0, points_, tally_.mirror_rays, ends[i],
-                    recorded ? &record : nullptr);
+    c_.paths.follow(found, i, i, 0, points_, tally_.mirror_rays, ends[i], recorded ? &record : nullptr);
   }
 }
 
@@ -109,19 +112,18 @@ void SamplePacket::find_points(std::span<const SampleRun> runs) {
 void SamplePacket::place_on_light(std::span<const SampleRun> runs, uint32_t luminaire, uint32_t begin,
                                   uint32_t end, float* u, float* v) const {
   alignas(64) float lane_u[kPacket], lane_v[kPacket];
+  SampleRange ranges[kPacket];
   uint32_t lane = 0;
-  for (const SampleRun& run : runs) {
-    c_.pixel_light_sampler.light(hash_of(lanes_[lane].frame_pixel, luminaire * lobes_), run.first, run.count,
-                                 lane_u + lane, lane_v + lane);
-    lane += run.count;
-  }
+  for (size_t r = 0; r < runs.size(); lane += runs[r++].count)
+    ranges[r] = {hash_of(lanes_[lane].frame_pixel, luminaire * lobes_), runs[r].first, runs[r].count};
+  c_.pixel_light_sampler.light({ranges, runs.size()}, lane_u, lane_v);
   for (uint32_t k = begin; k < end; ++k) {
     const Lane& at = lanes_[points_[k].pixel];
     u[k - begin] = lane_u[points_[k].pixel], v[k - begin] = lane_v[points_[k].pixel];
     if (points_[k].bounce == 0) continue;
     const uint32_t slot = (points_[k].bounce * luminaires_ + luminaire) * lobes_;
-    c_.pixel_light_sampler.light(hash_of(at.frame_pixel, slot), at.index, 1, u + (k - begin),
-                                 v + (k - begin));
+    const SampleRange one{hash_of(at.frame_pixel, slot), at.index, 1};
+    c_.pixel_light_sampler.light({&one, 1}, u + (k - begin), v + (k - begin));
   }
 }
 

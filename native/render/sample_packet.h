@@ -32,8 +32,9 @@ struct FilteredFrame {
   uint32_t block_width;
   bool glossy;  // some material has such a lobe: two slots for each luminaire and bounce
   uint32_t slot_count;
-  std::vector<Slot> slots;    // by pixel
-  std::vector<uint8_t> edge;  // by pixel: needs samples all over the filter
+  std::vector<Slot> slots;         // by pixel
+  std::vector<uint8_t> edge;       // by pixel: needs samples all over the filter
+  std::vector<uint8_t> uncertain;  // by pixel: the first look is not enough
 
   std::span<Slot> of_pixel(uint32_t p) { return {slots.data() + size_t(p) * slot_count, slot_count}; }
   std::span<const Slot> of_pixel(uint32_t p) const {

@@ -3,11 +3,18 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "sampling/sequences.h"
 
 namespace penumbra {
+
+/// Consecutive samples of one pixel. key: its stream.
+struct SampleRange {
+  uint64_t key;
+  uint32_t first, count;
+};
 
 /// Owen-scrambled Sobol', independent for each key. Samples with the same index belong together.
 class PixelLightSampler {
@@ -15,21 +22,20 @@ class PixelLightSampler {
   /// Tables for indices below `count`; `lens_and_time`: for these, too.
   PixelLightSampler(uint32_t count, uint32_t seed, bool lens_and_time);
 
-  /// Places in the pixel of samples [first, first + count), multiples of 2^-24 in [0, 1). key: the pixel.
-  void pixel(uint64_t key, uint32_t first, uint32_t count, float* u, float* v) const {
-    scramble(&pixel_[first], key, count, u, v);
-  }
+  // For at most kPacket samples, range after range.
+  /// Places in the pixel, multiples of 2^-24 in [0, 1). key: the pixel.
+  void pixel(std::span<const SampleRange> ranges, float* u, float* v) const;
   /// Places on a luminaire. key: pixel, luminaire and number of mirrors before.
-  void light(uint64_t key, uint32_t first, uint32_t count, float* u, float* v) const {
-    scramble(&light_[first], key, count, u, v);
-  }
+  void light(std::span<const SampleRange> ranges, float* u, float* v) const;
   /// Places on the lens. key: the pixel.
-  void lens(uint64_t key, uint32_t first, uint32_t count, float* u, float* v) const;
+  void lens(std::span<const SampleRange> ranges, float* u, float* v) const;
   /// Times. key: the pixel.
-  void time(uint64_t key, uint32_t first, uint32_t count, float* u) const;
+  void time(std::span<const SampleRange> ranges, float* u) const;
 
  private:
-  void scramble(const FixedPoint2* reversed, uint64_t key, uint32_t count, float* u, float* v) const;
+  template <typename Seed>
+  static void scramble(const std::vector<FixedPoint2>& reversed, std::span<const SampleRange> ranges,
+                       Seed seed, float* u, float* v);
 
   uint32_t seed_;
   std::vector<FixedPoint2> pixel_, light_, lens_, time_;  // digits reversed

@@ -11,28 +11,10 @@
 #include "scene/scene.h"
 #include "scene/surface_point.h"
 #include "visibility/embree.h"
+#include "visibility/hit_columns.h"
 #include "visibility/placed_mesh.h"
 
 namespace penumbra {
-
-/// A ray in render space, in double; rounded only when it is handed to Embree. t is in units of `direction`.
-struct Ray {
-  Vec3d origin, direction;
-  double t_near = 0, t_far = 0;
-  RayMask mask = kCameraRay;  // its kind
-  double time = 0.5;          // of the shutter: 0 where it opens, 1 where it closes
-};
-
-/// Which triangle a ray meets first. Distance and position follow from surface_point().
-struct Hit {
-  static constexpr uint32_t kNone = ~0u;
-  uint32_t instance = kNone, triangle = kNone;
-  // Of strands: along the segment, and where Embree found it, in units of the ray's direction.
-  float u = 0;
-  double t = 0;
-
-  bool found() const { return instance != kNone; }
-};
 
 /// What a scene's triangles are to rays. Immutable, so that threads and renders can share it.
 class Geometry {
@@ -55,7 +37,12 @@ class Geometry {
   /// First hits of up to 16 rays; bit i of `active` says whether ray i counts.
   void intersect(const Ray* rays, uint32_t active, Hit* hits) const;
 
-  /// Position and normals where `ray` meets the triangle of `hit`, recomputed in double from its vertices.
+  /// First hits of up to kPacket rays, and positions and normals there, recomputed in double from the
+  /// vertices. The columns are good as long as the rays are, and hold what surface_point() wants to know of
+  /// a ray whose hit was found.
+  void find_surfaces(const Ray* rays, uint32_t count, HitColumns& out) const;
+  void surface_point(const HitColumns& columns, uint32_t ray, SurfacePoint& out) const;
+  /// Of one ray, whose hit is known.
   void surface_point(const Ray& ray, const Hit& hit, SurfacePoint& out) const;
 
   /// A point of a triangle, seen from the side of its normal or from behind; u, v: barycentric weights of its
@@ -99,6 +86,8 @@ class Geometry {
   /// What a place knows of the mesh and the instance that it is on.
   void set_owner(SurfacePlace& place, const PlacedMesh& mesh, const PlacedInstance& instance,
                  double time) const;
+  void recompute(uint32_t count, HitColumns& columns) const;
+  void set_normal(HitColumns& columns, uint32_t column) const;
   void strand_point(const Ray& ray, const Hit& hit, SurfacePoint& s) const;
 
   std::shared_ptr<const Opacity> opacity_;
