@@ -12,6 +12,7 @@ prints a table.
 import csv
 import resource
 import sys
+import tempfile
 from pathlib import Path
 
 import bpy
@@ -24,7 +25,7 @@ import penumbra_addon  # noqa: E402
 
 penumbra_addon.load()
 
-from helpers import render_pixels, use_cycles_as_reference  # noqa: E402
+from helpers import make_lambertian, read_exr, render_to_file, use_cycles_as_reference  # noqa: E402
 
 REFERENCE = {"stop_rule": "FIXED", "light_samples": 16384, "seed": 4711}
 RUNS = (
@@ -39,6 +40,17 @@ def cpu_seconds() -> float:
     return used.ru_utime + used.ru_stime
 
 
+def timed_render(scene, engine: str) -> tuple[dict, float]:
+    """All passes, and the CPU seconds of bpy.ops.render.render: export and saving included, reading them not."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "render.exr"
+        make_lambertian(scene)
+        start = cpu_seconds()
+        render_to_file(scene, engine, path, lambertian=False)
+        seconds = cpu_seconds() - start
+        return read_exr(path), seconds
+
+
 def picture(scene, settings: dict | None, samples: int) -> tuple[dict, float]:
     """All passes of one render, and its CPU seconds. `settings` None: Cycles with so many samples."""
     if settings is None:
@@ -50,9 +62,7 @@ def picture(scene, settings: dict | None, samples: int) -> tuple[dict, float]:
         scene.penumbra.pixel_samples = 1
         for name, value in settings.items():
             setattr(scene.penumbra, name, value)
-    start = cpu_seconds()
-    passes = render_pixels(scene, "CYCLES" if settings is None else "PENUMBRA")
-    return passes, cpu_seconds() - start
+    return timed_render(scene, "CYCLES" if settings is None else "PENUMBRA")
 
 
 def away_from_edges(passes: dict) -> np.ndarray:

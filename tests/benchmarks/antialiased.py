@@ -25,8 +25,8 @@ import penumbra_addon  # noqa: E402
 penumbra_addon.load()
 
 import benchmark_scenes  # noqa: E402
-from against_cycles import cpu_seconds  # noqa: E402
-from helpers import render_pixels, use_cycles_as_reference  # noqa: E402
+from against_cycles import timed_render  # noqa: E402
+from helpers import use_cycles_as_reference  # noqa: E402
 
 TARGETS = (0.01, 0.004)
 TOLERANCES = (0.04, 0.02, 0.014, 0.01, 0.007, 0.004)
@@ -35,9 +35,8 @@ SAMPLES = (16, 64, 256, 1024)
 
 def colours(scene, engine):
     """r, g, b of a render, and its CPU seconds."""
-    start = cpu_seconds()
-    pixels = render_pixels(scene, engine)["Combined"][..., :3].astype(float)
-    return pixels, cpu_seconds() - start
+    passes, seconds = timed_render(scene, engine)
+    return passes["Combined"][..., :3].astype(float), seconds
 
 
 def reference(scene, rays):

@@ -103,11 +103,9 @@ def cycles(scene, samples, threshold):
 
     use_cycles_as_reference(scene, samples)
     scene.cycles.use_adaptive_sampling, scene.cycles.adaptive_threshold = True, threshold
-    from against_cycles import cpu_seconds, render_pixels
+    from against_cycles import timed_render
 
-    start = cpu_seconds()
-    passes = render_pixels(scene, "CYCLES")
-    return passes, cpu_seconds() - start
+    return timed_render(scene, "CYCLES")
 
 
 def seconds_at(error, runs, key):
