@@ -242,8 +242,8 @@ def run_script(script, environment: dict | None = None) -> subprocess.CompletedP
         return run_blender("--python-exit-code", "1", "-P", script, environment=environment)
     variables = {**os.environ, **(environment or {})}
     return subprocess.run(
-        [sys.executable, script], timeout=HANGS_SECONDS, env=variables, capture_output=True, text=True, errors="replace",
-        check=False,
+        [sys.executable, script], timeout=HANGS_SECONDS, env=variables, capture_output=True, text=True,
+        errors="replace", check=False,
     )  # fmt: skip
 
 
