@@ -109,11 +109,7 @@ void BlockLight::find_items() {
       SurfaceColumns columns;
       for (uint32_t p = begin; p < end; ++p) columns.add(points_[p].surface);
       alignas(64) double form_factors[kBatch];
-      if (luminaire.shares_sums())  // with what a border cuts off, too
-        for (uint32_t p = begin; p < end; ++p)
-          form_factors[p - begin] = luminaire.form_factor(points_[p].surface);
-      else
-        luminaire.form_factors(columns, form_factors);
+      luminaire.form_factors(columns, form_factors);
       for (uint32_t p = begin; p < end; ++p) {
         tally_.stop_if_cancelled();
         if (form_factors[p - begin] <= 0) {

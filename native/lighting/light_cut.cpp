@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "luminaire/light_cells.h"
+
 namespace penumbra {
 namespace {
 
@@ -58,7 +60,10 @@ std::vector<Luminaire> cut_luminaires(const LightTree& tree, std::span<const Lit
   leaves.insert(leaves.end(), heap.begin(), heap.end());
   std::sort(leaves.begin(), leaves.end());
   std::vector<Luminaire> luminaires;
-  for (const Candidate& candidate : leaves) tree.append(candidate.node, luminaires);
+  std::vector<Vec3d> places;
+  for (const LitPoint& probe : probes) places.push_back(probe.surface.position);
+  const double side = shared_cube_side(places);
+  for (const Candidate& candidate : leaves) tree.append(candidate.node, side, luminaires);
   luminaires.insert(luminaires.end(), tree.rest().begin(), tree.rest().end());
   return luminaires;
 }

@@ -46,8 +46,6 @@ class Emitter {
   virtual double form_factor(const SurfacePoint& surface) const = 0;
   /// The same for many surface points at once.
   virtual void form_factors(const SurfaceColumns& surfaces, double* out) const;
-  /// What form_factors gives to a point depends on which others are asked about with it.
-  virtual bool shares_sums() const { return false; }
 
   /// Maps points of the unit square to the luminaire and evaluates them.
   virtual void evaluate(const SurfacePoint& surface, const float* u, const float* v, uint32_t count,

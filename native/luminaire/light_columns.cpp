@@ -113,67 +113,89 @@ void by_four_points(const float* const* columns, uint32_t count, const float* po
   }
 }
 
-constexpr int kFieldSums = 12;
-
-/// Sums for a LightField, lane by lane: its value, then its gradients.
+/// Adds each element as one point, or as four, lane by lane.
 PENUMBRA_VECTORIZED
-void sum_field(const float* const* columns, uint32_t count, const float* powers, const Receiver& receiver,
-               float* sums) {
+void sum_vectors(const float* const* columns, uint32_t count, const float* powers, const Receiver& receiver,
+                 bool four, float* sums) {
   constexpr uint32_t kLanes = 16;
   const Receiver g = receiver;
   const float *cx = columns[kCentre], *cy = columns[kCentre + 1], *cz = columns[kCentre + 2],
               *nx = columns[kNormal], *ny = columns[kNormal + 1], *nz = columns[kNormal + 2],
+              *ux = columns[kHalfU], *uy = columns[kHalfU + 1], *uz = columns[kHalfU + 2],
+              *vx = columns[kHalfV], *vy = columns[kHalfV + 1], *vz = columns[kHalfV + 2],
               *two_sided = columns[kTwoSided], *omni = columns[kOmni];
-  float lanes[kFieldSums][kLanes] = {};
+  const int points = four ? 4 : 1;
+  const float part = four ? 0.25f : 1.0f, half = four ? 1.0f : 0.0f;
+  float lanes[3][kLanes] = {};
   for (uint32_t begin = 0; begin < count; begin += kLanes) {
-    for (uint32_t k = 0; k < kLanes; ++k) {
-      const uint32_t i = begin + k;
-      const float dx = cx[i] - g.point.x, dy = cy[i] - g.point.y, dz = cz[i] - g.point.z;
-      const float square = dx * dx + dy * dy + dz * dz, inverse = 1 / square;
-      const float facing = -(dx * nx[i] + dy * ny[i] + dz * nz[i]);
-      const bool turned = two_sided[i] > 0 && facing < 0;
-      const bool is_omni = omni[i] > 0;
-      const float side = turned ? -facing : facing;
-      const bool sends = is_omni || side > 0;
-      const float power = sends ? powers[i] : 0.0f;
-      // d a, with a = side / r^4, or 1 / r^3 without a normal; the derivative of side is the normal.
-      const float a = power * (is_omni ? inverse * std::sqrt(inverse) : side * inverse * inverse);
-      const float steep = (is_omni ? 3.0f : 4.0f) * a * inverse;
-      const float b = (turned ? -power : power) * inverse * inverse;
-      const float gx = b * nx[i] + steep * dx, gy = b * ny[i] + steep * dy, gz = b * nz[i] + steep * dz;
-      lanes[0][k] += a * dx, lanes[1][k] += a * dy, lanes[2][k] += a * dz;
-      lanes[3][k] += gx * dx - a, lanes[4][k] += gx * dy, lanes[5][k] += gx * dz;
-      lanes[6][k] += gy * dx, lanes[7][k] += gy * dy - a, lanes[8][k] += gy * dz;
-      lanes[9][k] += gz * dx, lanes[10][k] += gz * dy, lanes[11][k] += gz * dz - a;
+    for (int p = 0; p < points; ++p) {
+      const float s = p & 1 ? half : -half, t = p & 2 ? half : -half;
+      for (uint32_t k = 0; k < kLanes; ++k) {
+        const uint32_t i = begin + k;
+        const float dx = cx[i] - g.point.x + s * ux[i] + t * vx[i],
+                    dy = cy[i] - g.point.y + s * uy[i] + t * vy[i],
+                    dz = cz[i] - g.point.z + s * uz[i] + t * vz[i];
+        const float square = dx * dx + dy * dy + dz * dz, inverse = 1 / square;
+        const float facing = -(dx * nx[i] + dy * ny[i] + dz * nz[i]);
+        const float side = two_sided[i] > 0 ? std::abs(facing) : facing;
+        const bool is_omni = omni[i] > 0;
+        const float power = (is_omni || side > 0) ? part * powers[i] : 0.0f;
+        const float a = power * (is_omni ? inverse * std::sqrt(inverse) : side * inverse * inverse);
+        lanes[0][k] += a * dx, lanes[1][k] += a * dy, lanes[2][k] += a * dz;
+      }
     }
   }
-  for (int s = 0; s < kFieldSums; ++s) {
-    sums[s] = 0;
-    for (uint32_t k = 0; k < kLanes; ++k) sums[s] += lanes[s][k];
+  for (int c = 0; c < 3; ++c) {
+    sums[c] = 0;
+    for (uint32_t k = 0; k < kLanes; ++k) sums[c] += lanes[c][k];
   }
 }
 
 }  // namespace
 
-void add_field(const std::vector<std::vector<float>>& columns, uint32_t first, uint32_t count, int channel,
-               const Vec3d& point, LightField& field) {
+Vec3d vector_sum(const std::vector<std::vector<float>>& columns, uint32_t first, uint32_t count, int channel,
+                 const Vec3d& point, const Vec3d& middle) {
   // Whole lanes: elements without power fill the last one.
-  constexpr uint32_t kUsed[] = {0, 1, 2, 3, 4, 5, kOmni, kTwoSided};
   alignas(64) float copies[kPower][kLightChunk], powers[kLightChunk] = {};
-  const float* c[kPower] = {};
-  for (uint32_t i : kUsed) {
+  const float* c[kPower];
+  const uint32_t whole = (count + 15) / 16 * 16;
+  for (uint32_t i = 0; i < kPower; ++i) {
     const float* column = columns[i].data() + first;
+    c[i] = column;
+    if (whole == count) continue;
     std::copy(column, column + count, copies[i]);
-    std::fill(copies[i] + count, copies[i] + kLightChunk, column[0]);
+    std::fill(copies[i] + count, copies[i] + whole, column[0]);
     c[i] = copies[i];
   }
-  const float* column = columns[size_t(kPower + channel)].data() + first;
-  std::copy(column, column + count, powers);
-  float sums[kFieldSums];
-  sum_field(c, (count + 15) / 16 * 16, powers, {Vec3f(point), {}}, sums);
-  const auto vector = [&](int s) { return Vec3d{double(sums[s]), double(sums[s + 1]), double(sums[s + 2])}; };
-  field.value += vector(0);
-  for (int k = 0; k < 3; ++k) field.gradient[k] += vector(3 + 3 * k);
+  const float* power = columns[size_t(kPower + channel)].data() + first;
+  std::copy(power, power + count, powers);
+  const Vec3f m(middle);
+  bool four = false;
+  for (uint32_t i = 0; i < count; ++i) {
+    const float dx = c[kCentre][i] - m.x, dy = c[kCentre + 1][i] - m.y, dz = c[kCentre + 2][i] - m.z;
+    four |= dx * dx + dy * dy + dz * dz < c[kFarSquare][i];
+  }
+  float sums[3];
+  sum_vectors(c, whole, powers, {Vec3f(point), {}}, four, sums);
+  return {double(sums[0]), double(sums[1]), double(sums[2])};
+}
+
+double turning_sum(const std::vector<std::vector<float>>& columns, uint32_t first, uint32_t count,
+                   int channel, const Vec3d& point, double distance) {
+  const Vec3f p(point);
+  const float* powers = columns[size_t(kPower + channel)].data() + first;
+  double sum = 0;
+  for (uint32_t i = 0; i < count; ++i) {
+    const auto at = [&](int column) { return columns[size_t(column)][first + i]; };
+    const float height = (at(kCentre) - p.x) * at(kNormal) + (at(kCentre + 1) - p.y) * at(kNormal + 1) +
+                         (at(kCentre + 2) - p.z) * at(kNormal + 2);
+    if (at(kOmni) == 0 && std::abs(height) < float(distance)) sum += double(powers[i]);
+  }
+  return sum;
+}
+
+double formula_from(const LightElement& e) {
+  return std::max(e.near, e.normal == Vec3d{} ? 0.0 : e.radius * kFarFour);
 }
 
 float sum_light(const float* values) {
@@ -190,8 +212,7 @@ void add_light_columns(const LightElement& e, const float radiance[4],
   put(kHalfU, e.half_u);
   put(kHalfV, e.half_v);
   const bool omni = e.normal == Vec3d{};
-  const double near = std::max(e.near, omni ? 0.0 : e.radius * kFarFour),
-               far = omni ? 0.0 : e.radius * kFarOne;
+  const double near = formula_from(e), far = omni ? 0.0 : e.radius * kFarOne;
   const auto square = [](double x) { return float(std::min(x * x, 3e38)); };
   columns[kRadius].push_back(float(e.radius));
   columns[kNearSquare].push_back(square(near));

@@ -25,15 +25,15 @@ enum LightState : int { kPointLight, kFourPoints, kNearLight };
 bool far_light(const std::vector<std::vector<float>>& columns, uint32_t first, uint32_t count, int channel,
                const SurfacePoint& surface, float* out, int* state);
 
-/// What elements send around a point: |radiance| x form factor, one channel, at point + d of a surface with
-/// normal n is n . (value + sum of gradient[k] x d[k]) to first order, wherever all of them are above the
-/// horizon and face the surface.
-struct LightField {
-  Vec3d value, gradient[3];
-};
-/// Adds elements [first, first + count), each as a point.
-void add_field(const std::vector<std::vector<float>>& columns, uint32_t first, uint32_t count, int channel,
-               const Vec3d& point, LightField& field);
+/// Elements [first, first + count): sum of the vectors whose product with a surface's normal is what it gets,
+/// wherever all elements are above the horizon. Nearer to `middle` than some radii they are four points each.
+Vec3d vector_sum(const std::vector<std::vector<float>>& columns, uint32_t first, uint32_t count, int channel,
+                 const Vec3d& point, const Vec3d& middle);
+/// Sum of the powers of those flat ones whose plane is within `distance` of a point.
+double turning_sum(const std::vector<std::vector<float>>& columns, uint32_t first, uint32_t count,
+                   int channel, const Vec3d& point, double distance);
+/// Distance from which on an element may be four points.
+double formula_from(const LightElement& element);
 
 /// Sum of a chunk, as a fixed tree.
 float sum_light(const float* values);

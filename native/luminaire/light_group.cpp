@@ -2,7 +2,6 @@
 #include "luminaire/light_group.h"
 
 #include <algorithm>
-#include <optional>
 
 namespace penumbra {
 namespace {
@@ -18,75 +17,13 @@ struct FarChoice {
   }
 };
 
-/// Chooses elements by what they send to one surface point. A thread has one at a time.
-class NearChoice {
- public:
-  NearChoice(const LightTree& tree, const LightNode& node, LightChannel channel, const SurfacePoint& surface)
-      : begin_(node.begin), values_(own_values()), until_(own_sums()) {
-    const uint32_t size = node.end - node.begin;
-    values_.resize(size);
-    until_.resize(size);
-    tree.sum(node.begin, node.end, channel, surface, values_.data());
-    for (uint32_t i = 0; i < size; ++i) until_[i] = total_ += double(values_[i]);
-  }
-
-  /// As LightTree::pick(); nothing where share is 0.
-  uint32_t pick(double at, double& share, double& within) const {
-    const double target = at * total_;
-    const auto k = size_t(std::upper_bound(until_.begin(), until_.end() - 1, target) - until_.begin());
-    const auto own = double(values_[k]);
-    share = own > 0 ? own / total_ : 0;
-    within = own > 0 ? std::clamp((target - (until_[k] - own)) / own, 0.0, 1 - 0x1p-24) : 0.5;
-    return begin_ + uint32_t(k);
-  }
-
- private:
-  // A thread's own memory, which it need not ask for again.
-  static std::vector<float>& own_values() {
-    thread_local std::vector<float> values;
-    return values;
-  }
-  static std::vector<double>& own_sums() {
-    thread_local std::vector<double> sums;
-    return sums;
-  }
-
-  uint32_t begin_;
-  std::vector<float>& values_;
-  std::vector<double>& until_;  // sum of values up to each element, itself included
-  double total_ = 0;
-};
-
 }  // namespace
 
-double LightGroup::form_factor(const SurfacePoint& surface) const {
-  const LightNode& node = tree_.node(node_);
-  return tree_.sum(node.begin, node.end, channel_, surface, nullptr);
-}
+LightGroup::LightGroup(const LightTree& tree, uint32_t node, LightChannel channel, double smallest_side)
+    : tree_(tree), node_(node), channel_(channel), cells_(tree, node, channel, smallest_side) {}
 
-void LightGroup::form_factors(const SurfaceColumns& surfaces, double* out) const {
-  SurfacePoint anchor;
-  LightField field;
-  double exact = 0, correction = 0;  // at the anchor; over the field's, 0 while that is not known
-  for (uint32_t i = 0; i < surfaces.count; ++i) {
-    const SurfacePoint surface = surfaces.point(i);
-    const Vec3d way = surface.position - anchor.position;
-    const double distance = length(way);
-    if (i > 0 && tree_.is_smooth(node_, anchor, distance) && tree_.is_smooth(node_, surface, distance)) {
-      if (correction == 0) {
-        field = tree_.field(node_, channel_, anchor.position);
-        const double linear = dot(anchor.normal, field.value);
-        correction = linear > 0 ? exact / linear : 1;
-      }
-      const Vec3d light =
-          field.value + field.gradient[0] * way.x + field.gradient[1] * way.y + field.gradient[2] * way.z;
-      out[i] = std::max(dot(surface.normal, light) * correction, 0.0);
-      continue;
-    }
-    out[i] = exact = form_factor(surface);
-    anchor = surface;
-    correction = 0;
-  }
+double LightGroup::form_factor(const SurfacePoint& surface) const {
+  return cells_.form_factor(surface);
 }
 
 template <typename Choice>
@@ -108,28 +45,19 @@ void LightGroup::evaluate(const SurfacePoint& surface, const float* u, const flo
   const auto place_all = [&](const auto& choice) {
     for (uint32_t i = 0; i < count; ++i) place(choice, surface, u[i], v[i], out, i);
   };
-  if (tree_.is_far(node_, surface))
+  if (tree_.node(node_).is_below(surface)) {
+    std::fill(out.x, out.x + count, 0.0f);
+    std::fill(out.y, out.y + count, 0.0f);
+    std::fill(out.z, out.z + count, 0.0f);
+    std::fill(out.form_factor, out.form_factor + count, 0.0f);
+  } else if (tree_.is_far(node_, surface)) {
     place_all(FarChoice{tree_, node_, channel_});
-  else
-    place_all(NearChoice(tree_, tree_.node(node_), channel_, surface));
-}
-
-void LightGroup::evaluate_each(const SurfaceColumns& surfaces, const float* u, const float* v,
-                               LightPoints& out) const {
-  std::optional<NearChoice> near;
-  SurfacePoint anchor;  // the choice's
-  for (uint32_t i = 0; i < surfaces.count; ++i) {
-    const SurfacePoint surface = surfaces.point(i);
-    if (tree_.is_far(node_, surface)) {
-      place(FarChoice{tree_, node_, channel_}, surface, u[i], v[i], out, i);
-      continue;
-    }
-    const double distance = length(surface.position - anchor.position);
-    if (!near || !tree_.is_smooth(node_, anchor, distance) || !tree_.is_smooth(node_, surface, distance)) {
-      near.emplace(tree_, tree_.node(node_), channel_, surface);
-      anchor = surface;
-    }
-    place(*near, surface, u[i], v[i], out, i);
+  } else if (const LightChoice* shared = cells_.choice(surface)) {
+    place_all(*shared);
+  } else {
+    thread_local LightChoice own;  // keeps its memory
+    own.fill(tree_, node_, channel_, surface);
+    place_all(own);
   }
 }
 

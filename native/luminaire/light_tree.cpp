@@ -18,13 +18,6 @@ constexpr size_t kMostLeaves = 1 << 16;
 /// A node is far beyond so many of its radii: its elements' light differs by less than their powers do.
 constexpr double kFar = 4;
 
-/// Way over which the light of something so many times farther is linear: what is left out is at most
-/// about four times the square of it (tests/native/test_light_tree.cpp).
-constexpr double kLinear = 0.02;
-
-/// Cosine of the cone in which normals count as one direction.
-constexpr double kOneDirection = 0.9;
-
 /// Radiances that differ by less, relatively, have the same hue.
 constexpr double kSameHue = 1e-6;
 
@@ -60,12 +53,17 @@ struct LightTree::Building {
   Vec3d radiance;  // not negative
 };
 
+double LightNode::height(const SurfacePoint& surface, int side) const {
+  const Vec3d half = bounds.extent() * 0.5, n = surface.normal;
+  const double reach = std::abs(half.x * n.x) + std::abs(half.y * n.y) + std::abs(half.z * n.z);
+  return dot(bounds.centre() - surface.position, n) + side * reach;
+}
+
 Vec3d LightNode::bound(const SurfacePoint& surface) const {
   // What there is of the bounds above the horizon is no nearer, and no steeper, than the whole.
+  if (is_below(surface)) return {};
   const Vec3d half = bounds.extent() * 0.5, to_centre = bounds.centre() - surface.position;
   const Vec3d n = surface.normal;
-  const double reach = std::abs(half.x * n.x) + std::abs(half.y * n.y) + std::abs(half.z * n.z);
-  if (dot(to_centre, n) + reach <= 0) return {};
   const Vec3d outside{std::max(std::abs(to_centre.x) - half.x, 0.0),
                       std::max(std::abs(to_centre.y) - half.y, 0.0),
                       std::max(std::abs(to_centre.z) - half.z, 0.0)};
@@ -134,7 +132,7 @@ uint32_t LightTree::add_node(std::span<Building> elements, uint32_t begin) {
     node.bounds.include(e.centre - radius);
     node.bounds.include(e.centre + radius);
     centres.include(e.centre);
-    node.by_formula = node.by_formula && std::isfinite(e.near);
+    node.near = std::max(node.near, formula_from(e));
     node.power += b.radiance * e.strength;
     normals += e.normal;
     any_direction = any_direction || e.two_sided || e.two_sided_near || e.normal == Vec3d{};
@@ -191,7 +189,7 @@ uint32_t LightTree::count(uint32_t i) const {
   return n.one_colour || n.end - n.begin == 1 ? 1 : 3;
 }
 
-void LightTree::append(uint32_t i, std::vector<Luminaire>& out) const {
+void LightTree::append(uint32_t i, double smallest_side, std::vector<Luminaire>& out) const {
   const LightNode& n = nodes_[i];
   const Source& first = sources_[n.begin];
   const Luminaire& one = luminaires_[first.luminaire];
@@ -205,7 +203,7 @@ void LightTree::append(uint32_t i, std::vector<Luminaire>& out) const {
   const double sign = max_component(one.radiance()) > 0 ? 1 : -1;
   const std::string name = one.name() + (alone ? " (a part)" : " and others");
   const auto group = [&](LightChannel channel, const Vec3d& radiance) {
-    out.emplace_back(name, std::make_shared<LightGroup>(*this, i, channel), radiance * sign,
+    out.emplace_back(name, std::make_shared<LightGroup>(*this, i, channel, smallest_side), radiance * sign,
                      one.casts_shadow(), one.role(), one.light_group());
   };
   if (n.one_colour) {
@@ -225,28 +223,24 @@ bool LightTree::is_far(uint32_t i, const SurfacePoint& surface) const {
          dot(to_centre, to_centre) >= kFar * kFar * radius * radius;
 }
 
-bool LightTree::is_smooth(uint32_t i, const SurfacePoint& surface, double distance) const {
+Vec3d LightTree::vector_light(uint32_t i, LightChannel channel, const Vec3d& point,
+                              const Vec3d& middle) const {
   const LightNode& n = nodes_[i];
-  if (!n.by_formula) return false;
-  const Vec3d half = n.bounds.extent() * 0.5, to_centre = n.bounds.centre() - surface.position;
-  const auto reach_along = [&](const Vec3d& v) {
-    return std::abs(half.x * v.x) + std::abs(half.y * v.y) + std::abs(half.z * v.z);
-  };
-  if (dot(to_centre, surface.normal) < reach_along(surface.normal) + distance) return false;
-  const double to_middle = length(to_centre), radius = length(half);
-  if (to_middle - radius < distance / kLinear) return false;
-  // Elements of many directions do not turn away all at once; those of one do.
-  if (n.cosine < kOneDirection) return true;
-  const double before = -dot(to_centre, n.axis) - reach_along(n.axis);
-  return before > distance + sine_of(n.cosine) * (to_middle + radius);
+  Vec3d sum;
+  for (uint32_t first = n.begin; first < n.end; first += kLightChunk)
+    sum += vector_sum(columns_, first, std::min(kLightChunk, n.end - first), int(channel), point, middle);
+  return sum;
 }
 
-LightField LightTree::field(uint32_t i, LightChannel channel, const Vec3d& point) const {
+double LightTree::turning_power(uint32_t i, LightChannel channel, const Vec3d& point, double distance) const {
   const LightNode& n = nodes_[i];
-  LightField field;
+  const std::vector<double>& until = power_until_[size_t(channel)];
+  const double total = until[n.end - 1] - (n.begin ? until[n.begin - 1] : 0);
+  double turning = 0;
   for (uint32_t first = n.begin; first < n.end; first += kLightChunk)
-    add_field(columns_, first, std::min(kLightChunk, n.end - first), int(channel), point, field);
-  return field;
+    turning +=
+        turning_sum(columns_, first, std::min(kLightChunk, n.end - first), int(channel), point, distance);
+  return total > 0 ? turning / total : 0;
 }
 
 uint32_t LightTree::pick(uint32_t i, LightChannel channel, double at, double& share, double& within) const {

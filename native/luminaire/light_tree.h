@@ -24,13 +24,20 @@ struct LightNode {
   Vec3d power;             // sum of strength x |radiance|
   uint32_t begin, end;     // elements, in the tree's order
   uint32_t right = 0;      // child; the left one is the next node. 0: a leaf
-  bool by_formula = true;  // cos cos' / r^2 holds for all of them from afar
+  double near = 0;         // beyond, cos cos' / r^2 holds for all of them, by four points each
   bool one_colour = true;  // radiances are multiples of each other
 
   bool is_leaf() const { return right == 0; }
+  /// All of it is above, or below, a surface point's horizon.
+  bool is_above(const SurfacePoint& surface) const { return height(surface, -1) >= 0; }
+  bool is_below(const SurfacePoint& surface) const { return height(surface, 1) <= 0; }
 
   /// Upper bound of the sum of |radiance| x form factor at a surface point, infinite within the bounds.
   Vec3d bound(const SurfacePoint& surface) const;
+
+ private:
+  /// Of the bounds' highest (side 1) or lowest (-1) point above the horizon.
+  double height(const SurfacePoint& surface, int side) const;
 };
 
 class LightTree {
@@ -44,8 +51,8 @@ class LightTree {
   const std::vector<Luminaire>& rest() const { return rest_; }
 
   /// Luminaires that shine as the node's elements do: the only one as it is, else a group, or three of
-  /// different colours. They refer to the tree.
-  void append(uint32_t node, std::vector<Luminaire>& out) const;
+  /// different colours. They refer to the tree. smallest_side: as for LightGroup.
+  void append(uint32_t node, double smallest_side, std::vector<Luminaire>& out) const;
   /// How many append() makes.
   uint32_t count(uint32_t node) const;
 
@@ -58,10 +65,11 @@ class LightTree {
   /// The node is so far from a surface point, and so far above its horizon, that its elements' powers tell
   /// well enough what they send.
   bool is_far(uint32_t node, const SurfacePoint& surface) const;
-  /// The node is wholly above a surface point's horizon and faces it, and so far away that its light is
-  /// linear over `distance`.
-  bool is_smooth(uint32_t node, const SurfacePoint& surface, double distance) const;
-  LightField field(uint32_t node, LightChannel channel, const Vec3d& point) const;
+  /// The sum of its elements' |radiance| x form factor at a surface with normal n is n . this, where all of
+  /// them are above the horizon. Elements nearer to `middle` than some radii are four points each.
+  Vec3d vector_light(uint32_t node, LightChannel channel, const Vec3d& point, const Vec3d& middle) const;
+  /// Share of its power from flat elements whose plane is within `distance` of a point.
+  double turning_power(uint32_t node, LightChannel channel, const Vec3d& point, double distance) const;
   /// An element of the node by its power: `at` in [0, 1) goes through them in order. share: the probability;
   /// within: where in the element's own part `at` is, in [0, 1).
   uint32_t pick(uint32_t node, LightChannel channel, double at, double& share, double& within) const;

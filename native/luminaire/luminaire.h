@@ -38,7 +38,6 @@ class Luminaire {
     return lights(surface.receiver_set) ? emitter_->form_factor(surface) : 0;
   }
   void form_factors(const SurfaceColumns& surfaces, double* out) const;
-  bool shares_sums() const { return emitter_->shares_sums(); }
   void evaluate(const SurfacePoint& surface, const float* u, const float* v, uint32_t count,
                 LightPoints& out) const;
   void evaluate_each(const SurfaceColumns& surfaces, const float* u, const float* v, LightPoints& out) const {

@@ -4,80 +4,27 @@
 
 #include "luminaire/light_group.h"
 #include "luminaire/light_tree.h"
+#include "many_luminaires.h"
 #include "oracles.h"
 
 namespace penumbra {
 namespace {
 
-using test::kPi;
+using test::exact_sum;
+using test::kUnshared;
+using test::many;
 using test::surface_at;
 using test::Trials;
-
-Affine turned(Trials& trials, const Vec3d& at, double scale) {
-  const Vec3d z = trials.direction();
-  const Vec3d x = normalize(cross(z, std::abs(z.x) < 0.5 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0}));
-  return {x * scale, cross(z, x) * scale, z * scale, at};
-}
-
-MeshLuminaire tetrahedron(const Affine& t, const Vec3d& radiance, bool closed) {
-  MeshLuminaire mesh{"tetrahedron", {}, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}}, radiance};
-  if (closed) mesh.triangles.push_back({0, 3, 2});
-  for (const Vec3d& p : {Vec3d{0, 0, 0}, Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}})
-    mesh.positions.push_back(t.point(p));
-  return mesh;
-}
-
-/// Of every kind, in the cube [-1, 1]^3.
-std::vector<Luminaire> many(uint32_t count, Trials& trials, bool colours = true, bool beams = true) {
-  std::vector<Luminaire> luminaires;
-  const Normalization n{};
-  for (uint32_t i = 0; i < count; ++i) {
-    const Vec3d at{trials.uniform(-1, 1), trials.uniform(-1, 1), trials.uniform(-1, 1)};
-    const double size = trials.uniform(0.005, 0.05), bright = trials.uniform(1, 5);
-    const Vec3d radiance = colours && i % 2 ? Vec3d{bright, bright / 2, 0} : Vec3d{bright, bright, bright};
-    const Affine t = turned(trials, at, size);
-    LuminaireDescription d;
-    switch (beams ? i % 6 : i % 5) {
-      case 0:
-        d = AreaLuminaire{"rectangle", LuminaireShape::kRectangle, t, 1, trials.uniform(0.2, 1), radiance};
-        break;
-      case 1:
-        d = AreaLuminaire{"ellipse", LuminaireShape::kEllipse, t, 1, trials.uniform(0.2, 1), radiance};
-        break;
-      case 2:
-        d = PointLuminaire{"bulb", RoundShape::kSphere, t, i % 4 ? 0.0 : size, radiance * (size * size), true,
-                           {}};
-        break;
-      case 3:
-        d = PointLuminaire{"spot", RoundShape::kFacingDisk, t, size, radiance * (size * size), true, {}};
-        if (beams && i % 4 == 1) std::get<PointLuminaire>(d).spot = SpotCone{1.0, 0.5};
-        break;
-      case 4:
-        d = tetrahedron(t, radiance, i % 4 == 0);
-        break;
-      default:
-        d = AreaLuminaire{"soft box", LuminaireShape::kRectangle, t, 1, 1, radiance, true, 1.5};
-    }
-    luminaires.emplace_back(d, n);
-  }
-  return luminaires;
-}
 
 SurfacePoint somewhere(Trials& trials, double half = 1.2) {
   return surface_at({trials.uniform(-half, half), trials.uniform(-half, half), trials.uniform(-half, half)},
                     trials.direction());
 }
 
-Vec3d exact_sum(const std::vector<Luminaire>& luminaires, const SurfacePoint& surface) {
-  Vec3d sum;
-  for (const Luminaire& l : luminaires) sum += l.radiance() * l.form_factor(surface);
-  return sum;
-}
-
 /// The luminaires of a node as append() makes them; with many elements to a node they are groups.
 Vec3d sum_of(const LightTree& tree, uint32_t node, const SurfacePoint& surface) {
   std::vector<Luminaire> groups;
-  tree.append(node, groups);
+  tree.append(node, kUnshared, groups);
   EXPECT_EQ(groups.size() <= 1 || groups.size() <= tree.count(node), true);
   return exact_sum(groups, surface);
 }
@@ -180,7 +127,7 @@ TEST(LightTree, PointsOfAGroupHaveItsFormFactorAsMean) {
   const std::vector<Luminaire> luminaires = many(90, trials, false);
   const LightTree tree(luminaires);
   std::vector<Luminaire> groups;
-  tree.append(tree.roots()[0], groups);
+  tree.append(tree.roots()[0], kUnshared, groups);
   ASSERT_EQ(groups.size(), 1u);
   for (int i = 0; i < 20; ++i) {
     const SurfacePoint surface = somewhere(trials);
@@ -203,39 +150,6 @@ TEST(LightTree, PointsOfAGroupHaveItsFormFactorAsMean) {
     }
     EXPECT_NEAR(sum / kPoints / exact, 1, 0.01);
   }
-}
-
-/// Of facing light, as above: sums that are shared among neighbours, on one surface and around an edge.
-TEST(LightTree, NeighboursShareSums) {
-  Trials trials(7);
-  double worst = 0;
-  int shared = 0;
-  for (int scene = 0; scene < 200; ++scene) {
-    const std::vector<Luminaire> luminaires = many(60, trials, false, false);
-    const LightTree tree(luminaires);
-    std::vector<Luminaire> groups;
-    tree.append(tree.roots()[0], groups);
-    ASSERT_EQ(groups.size(), 1u);
-    const double far = trials.uniform(2, 8);
-    const Vec3d at = trials.direction() * far, n = normalize(-at + trials.direction() * (0.5 * far));
-    SurfaceColumns columns;
-    for (int i = 0; i < 16; ++i) {
-      const Vec3d turned = i % 4 ? n : normalize(-at + trials.direction() * (0.5 * far));
-      columns.add(surface_at(at + trials.direction() * (0.008 * far), turned));
-    }
-    double out[kBatch];
-    groups[0].form_factors(columns, out);
-    double facing = 0;
-    for (const Luminaire& l : luminaires)
-      for (const LightElement& e : l.elements()) facing += l.radiance().x * e.strength / (far * far);
-    for (uint32_t i = 0; i < columns.count; ++i) {
-      const double exact = groups[0].form_factor(columns.point(i));
-      worst = std::max(worst, std::abs(out[i] - exact) * groups[0].radiance().x / facing);
-      shared += out[i] != exact;
-    }
-  }
-  EXPECT_GT(shared, 1500);   // of 3200
-  EXPECT_LT(worst, 1.6e-3);  // four times the square of 0.02
 }
 
 TEST(LightTree, KeepsKindsApart) {
@@ -261,7 +175,7 @@ TEST(LightTree, KeepsKindsApart) {
   Vec3d with_shadow, without, minus;
   for (uint32_t root : tree.roots()) {
     std::vector<Luminaire> groups;
-    tree.append(root, groups);
+    tree.append(root, kUnshared, groups);
     for (const Luminaire& g : groups) {
       const Vec3d light = g.radiance() * g.form_factor(surface);
       (light.x < 0 || light.y < 0 || light.z < 0 ? minus : g.casts_shadow() ? with_shadow : without) += light;

@@ -21,12 +21,12 @@ COLOURS = [(1.0, 1.0, 1.0), (1.0, 0.6, 0.3), (0.4, 0.6, 1.0)]
 
 
 @functools.cache
-def hall(count, kind="area", colours=1, half=10.0):
+def hall(count, kind="area", colours=1, half=10.0, boxes=40):
     """A hall of furniture under lamps all over its ceiling, of the same power in sum however many they are."""
     scene = pn.Scene()
     add(scene, "floor", floor(half), albedo=ALBEDO)
     rng = np.random.default_rng(81)
-    for i in range(40):
+    for i in range(boxes):
         (x, y), w, h = rng.uniform(-half, half, 2), rng.uniform(0.3, 1.5), rng.uniform(0.4, 2.5)
         add(scene, f"box {i}", box([x - w / 2, y - w / 2, 0], [x + w / 2, y + w / 2, h]), albedo=ALBEDO)
     side = int(np.ceil(np.sqrt(count)))
