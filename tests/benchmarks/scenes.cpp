@@ -170,6 +170,29 @@ Scene field(bool instanced) {
 
 }  // namespace
 
+Mesh bumpy_floor(uint32_t triangles, bool smooth) {
+  const auto side = uint32_t(std::lround(std::sqrt(triangles / 2.0)));
+  Mesh mesh = grid("floor", side, side, [](double u, double v) {
+    return Vec3d{20 * (2 * u - 1), 20 * (2 * v - 1), 0.3 * std::sin(40 * u) * std::cos(50 * v)};
+  });
+  for (size_t i = 0; smooth && i < mesh.triangles.size(); ++i) {
+    const auto& t = mesh.triangles[i];
+    const Vec3d& a = mesh.positions[t[0]];
+    const Vec3f normal(normalize(cross(mesh.positions[t[1]] - a, mesh.positions[t[2]] - a)));
+    mesh.corner_normals.insert(mesh.corner_normals.end(), 3, normal);
+  }
+  mesh.positions.shrink_to_fit();
+  mesh.triangles.shrink_to_fit();
+  mesh.corner_normals.shrink_to_fit();
+  return mesh;
+}
+
+Scene under_a_rectangle(Mesh mesh) {
+  Scene scene = stage(1e-3, 6, 2);
+  add(scene, std::move(mesh), {});
+  return scene;
+}
+
 const std::vector<NamedScene>& scenes() {
   static const std::vector<NamedScene> list{{"open floor", open_floor},
                                             {"sphere on floor", sphere_on_floor},

@@ -20,6 +20,11 @@ struct NamedScene {
 const std::vector<NamedScene>& scenes();
 
 /// Of this process, all threads.
+/// About so many triangles of one mesh; smooth: with normals at their corners.
+Mesh bumpy_floor(uint32_t triangles, bool smooth);
+/// Under a rectangle, seen from above.
+Scene under_a_rectangle(Mesh mesh);
+
 double cpu_seconds();
 
 }  // namespace penumbra::benchmark
