@@ -2,8 +2,9 @@
 """Mitsuba 3 as a peer: reads a scene that peers.py exported, then a number of samples a line from standard input.
 
 Writes each picture beside the scene (.npy) and its CPU seconds to standard output. Mitsuba's own `direct` integrator
-with one sample of an emitter and none of the BSDF, through each pixel's centre; llvm_ad_rgb on one thread, or
-scalar_rgb where LLVM is missing. "lamps": 1 where a pixel shows a lamp.
+with one sample of an emitter and none of the BSDF, through each pixel's centre, with correlated multi-jittered samples
+(2 to 9 times as good as independent ones); llvm_ad_rgb on one thread. "lamps": 1 where a pixel shows a lamp. "beside":
+the CPU seconds of the whole process that were not spent on pictures.
 """
 
 import sys
@@ -21,8 +22,9 @@ try:
 except Exception:  # no LLVM on this machine
     raise SystemExit("mitsuba_server.py: llvm_ad_rgb needs LLVM's library (Debian: libllvm15)") from None
 dr.set_thread_count(1)
+mi.set_log_level(mi.LogLevel.Error)  # standard output is for answers
 
-PASS = 16  # samples at a time
+WAVEFRONT = 1 << 22  # samples at a time
 
 path = Path(sys.argv[1])
 data = np.load(path)
@@ -53,35 +55,44 @@ scene = mi.load_dict(parts)
 integrator = scene.integrator()
 directions = data["directions"]
 height, width, _ = directions.shape
-count = width * height
 
 
-def rays(copies):
-    flat = np.repeat(directions.reshape(-1, 3), copies, axis=0).astype(np.float32)
+def rays(copies, rows=slice(None)):
+    flat = np.repeat(directions[rows].reshape(-1, 3), copies, axis=0).astype(np.float32)
     eye = data["eye"].astype(np.float32)
     return mi.RayDifferential3f(mi.Point3f(*[float(v) for v in eye]), mi.Vector3f(flat.T.copy()))
 
 
-def samples(number, seed):
-    """Sum over `number` samples a pixel."""
-    sampler = mi.load_dict({"type": "independent", "sample_count": number})
-    sampler.seed(seed, count * number)
-    value, _, _ = integrator.sample(scene, sampler, rays(number))
-    return np.array(value).reshape(3, count, number).sum(-1).T.reshape(height, width, 3)
+def picture_of(number, seed):
+    """`number` samples a pixel, all of a pixel's in one wavefront, where they are one stratified set."""
+    picture = np.empty((height, width, 3))
+    band = max(1, WAVEFRONT // (width * number))
+    for first in range(0, height, band):
+        rows = slice(first, min(first + band, height))
+        pixels = (rows.stop - first) * width
+        sampler = mi.load_dict({"type": "multijitter", "sample_count": number})
+        sampler.set_samples_per_wavefront(number)
+        sampler.seed(seed + first, pixels * number)
+        value, _, _ = integrator.sample(scene, sampler, rays(number, rows))
+        picture[rows] = np.array(value).reshape(3, pixels, number).mean(-1).T.reshape(-1, width, 3)
+    return picture
 
 
-samples(min(PASS, 8), 0)  # compiles the kernels
-samples(PASS, 0)
+spent = 0.0  # on pictures that were asked for
+picture_of(4, 0)  # compiles the kernels
 for line in sys.stdin:
+    start = time.process_time()
+    seconds, picture = 0.0, np.zeros((height, width, 1))
     if line.strip() == "lamps":
         hit = scene.ray_intersect(rays(1))
         emitter = np.array(dr.select(hit.is_valid() & (hit.emitter(scene) != None), 1.0, 0.0))  # noqa: E711
-        picture, seconds = emitter.reshape(height, width, 1), 0.0
+        picture = emitter.reshape(height, width, 1)
+        spent += time.process_time() - start
+    elif line.strip() == "beside":
+        seconds = time.process_time() - spent
     else:
-        wanted, start = int(line), time.process_time()
-        picture = np.zeros((height, width, 3))
-        for first in range(0, wanted, PASS):
-            picture += samples(min(PASS, wanted - first), 1 + first)
-        picture, seconds = picture / wanted, time.process_time() - start
+        picture = picture_of(int(line), 1)
+        seconds = time.process_time() - start
+        spent += seconds
     np.save(path.with_suffix(".npy"), picture.astype(np.float32))
     print(seconds, flush=True)

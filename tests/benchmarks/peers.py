@@ -1,17 +1,22 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Equal error against peers: Penumbra, Cycles (fixed and adaptive) and Mitsuba 3 on five kinds of scenes.
 
+    bash tests/benchmarks/run.sh peers
     blender -b --factory-startup -P tests/benchmarks/peers.py -- OUTPUT_FOLDER [PERCENTAGE [MITSUBA_PYTHON [SCENE ...]]]
 
-320 x 240 pixels times the percentage, one ray through each pixel's centre, one thread, runs interleaved in one go.
+640 x 480 pixels times the percentage, one ray through each pixel's centre, one thread, runs interleaved in one go.
 MITSUBA_PYTHON: a Python that has Mitsuba (mitsuba_server.py), "-" for none. Error: against FIXED of another seed, in
-r, g, b, away from the edges of objects and from what shows a lamp; how far Mitsuba's mean over its best run is from
-that reference's is printed, so that all mean the same scene. Time: CPU seconds of the render call (Blender: export,
-BVH and saving included; Mitsuba: after compiling its kernels once, BVH left out). Times at an error are interpolated
-between the runs around it, log-log; ~: extrapolated beyond them. Writes peers.csv, peers.md and peers.png.
+r, g, b, away from the edges of objects and from what shows a lamp; how far each run's mean is from that reference's
+is in the CSV, so that all mean the same scene. Render: CPU seconds of the render call (Blender: export, BVH and saving
+included; Mitsuba: after compiling its kernels once, BVH left out). Process: those and what the process takes beside
+them: `blender -b` of the saved scene to a written picture, by examples/render.py and by Cycles from the command line;
+Mitsuba from starting Python to its first sample, kernels from its cache where they are there. Times at an error are
+interpolated between the runs around it, log-log; ~: extrapolated beyond them; <: the cheapest run is better already.
+Cycles: the faster of fixed and adaptive sampling. Writes peers.csv, peers.md and peers.png.
 """
 
 import csv
+import resource
 import subprocess
 import sys
 from pathlib import Path
@@ -27,15 +32,27 @@ import penumbra_addon  # noqa: E402
 penumbra_addon.load()
 
 import benchmark_scenes  # noqa: E402
-from against_cycles import away_from_edges, plot  # noqa: E402
+from against_cycles import away_from_edges, timed_render  # noqa: E402
 from against_cycles import picture as render  # noqa: E402
+from helpers import use_cycles_as_reference  # noqa: E402
 
 SCENES = ("open floor", "sphere", "four objects", "plants", "64 lights")
 TARGETS = (0.01, 0.005, 0.002)
 TOLERANCES = (0.06, 0.02, 0.008, 0.004)
-SAMPLES = (8, 32, 128)
+SAMPLES = (9, 36, 144, 576)  # squares, as multi-jittered samples want it
 THRESHOLDS = (0.1, 0.03)
-REFERENCE_POINTS = {"plants": 2048, "64 lights": 256}
+LONGEST = 240  # CPU seconds: a run that would take longer, as 4 times the one before, is left out
+REFERENCE_POINTS = {"plants": 4096, "64 lights": 256}  # 8192 otherwise
+SIZE = (640, 480)
+ERRORS = {"relative_rmse": "RMSE", "p99": "P99"}
+# The project's goals at 0.2 % RMSE: factors over the faster Cycles and over Mitsuba.
+GOALS = {
+    "sphere": (80, 7),
+    "four objects": (150, 12),
+    "plants": (40, 7),
+    "64 lights": (200, 15),
+    "open floor": (300, 60),
+}
 
 
 def export(scene, path):
@@ -64,7 +81,7 @@ def export(scene, path):
         arrays[f"positions {meshes}"], arrays[f"triangles {meshes}"] = positions, triangles.reshape(-1, 3)
         meshes += 1
         thing.to_mesh_clear()
-    width, height = (v * scene.render.resolution_percentage // 100 for v in (320, 240))
+    width, height = (v * scene.render.resolution_percentage // 100 for v in SIZE)
     camera = scene.camera
     frame = np.array(camera.data.view_frame(scene=scene))  # corners at some depth before the camera
     low, high = frame.min(0), frame.max(0)
@@ -97,38 +114,49 @@ class Mitsuba:
 
 
 def cycles(scene, samples, threshold):
-    if threshold is None:
-        return render(scene, None, samples)
-    from helpers import use_cycles_as_reference
-
+    """All passes of one render, and its CPU seconds."""
     use_cycles_as_reference(scene, samples)
-    scene.cycles.use_adaptive_sampling, scene.cycles.adaptive_threshold = True, threshold
-    from against_cycles import timed_render
-
+    if threshold is not None:
+        scene.cycles.use_adaptive_sampling, scene.cycles.adaptive_threshold = True, threshold
     return timed_render(scene, "CYCLES")
 
 
+def whole_process(blend_file, engine, folder):
+    """CPU seconds of a `blender -b` that renders the saved scene into a file."""
+    command, picture = [bpy.app.binary_path, "-b", "--factory-startup", blend_file], folder / "peers_picture"
+    if engine == "CYCLES":
+        command += ["-E", engine, "-F", "OPEN_EXR", "-t", "1", "-o", f"{picture}#", "-f", "1"]
+    else:
+        command += ["--python-exit-code", "1", "-P", HERE.parents[1] / "examples" / "render.py"]
+        command += ["--", "--output", f"{picture}.exr"]
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    subprocess.run([str(part) for part in command], check=True, capture_output=True)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime
+
+
 def seconds_at(error, runs, key):
-    """CPU seconds to an error, and whether they are extrapolated; those of the cheapest run if it is better yet."""
+    """CPU seconds to an error, and "~" if they are extrapolated, "<" if all runs are better."""
     cheapest = min(runs, key=lambda run: run["cpu_seconds"])
     if max(run[key] for run in runs) <= error:
-        return cheapest["cpu_seconds"], False
+        return cheapest["cpu_seconds"], "<"
     logs = np.log(sorted((run[key], run["cpu_seconds"]) for run in runs))
     i = int(np.clip(np.searchsorted(logs[:, 0], np.log(error)), 1, len(logs) - 1))
     (x0, y0), (x1, y1) = logs[i - 1], logs[i]
     beyond = not logs[0, 0] <= np.log(error) <= logs[-1, 0]
-    return float(np.exp(y0 + (np.log(error) - x0) * (y1 - y0) / (x1 - x0))), beyond
+    return float(np.exp(y0 + (np.log(error) - x0) * (y1 - y0) / (x1 - x0))), "~" if beyond else ""
 
 
 def measure(name, percentage, python, folder):
     scene = benchmark_scenes.make(name)
-    scene.render.resolution_x, scene.render.resolution_y = 320, 240
+    scene.render.resolution_x, scene.render.resolution_y = SIZE
     scene.render.resolution_percentage = percentage
-    scene.render.threads_mode, scene.render.threads = "FIXED", 1
     layer = scene.view_layers[0]
     layer.use_pass_z = layer.use_pass_normal = True
     fixed = {"stop_rule": "FIXED", "light_samples": REFERENCE_POINTS.get(name, 8192), "seed": 4711}
+    scene.render.threads_mode = "AUTO"  # its time does not count
     passes, _ = render(scene, fixed, 0)
+    scene.render.threads_mode, scene.render.threads = "FIXED", 1
     true, inside = passes["Combined"][..., :3].astype(float), away_from_edges(passes)
     mitsuba = None
     if python != "-":
@@ -136,56 +164,98 @@ def measure(name, percentage, python, folder):
         mitsuba = Mitsuba(python, folder / "peers_scene.npz")
         _, lamp = mitsuba.ask("lamps")
         inside &= lamp[..., 0] == 0
-    rows = []
+    rows, beside = [], {}
 
     def add(renderer, setting, pixels, seconds):
         error = (pixels[..., :3].astype(float) - true)[inside]
-        row = {"scene": name, "renderer": renderer, "setting": setting, "cpu_seconds": seconds}
+        row = {"scene": name, "renderer": renderer, "setting": setting, "cpu_seconds": seconds, "beside": 0.0}
         row["relative_rmse"] = np.sqrt((error**2).mean()) / true[inside].mean()
         row["p99"] = np.quantile(np.abs(error).max(-1), 0.99)
         row["mean"] = pixels[..., :3][inside].mean() / true[inside].mean() - 1
         rows.append(row)
         print(" ".join(f"{v:.4g}" if isinstance(v, float) else str(v) for v in row.values()), flush=True)
 
+    def affordable(renderer):
+        return 4 * max((r["cpu_seconds"] for r in rows if r["renderer"] == renderer), default=0) < LONGEST
+
     for i in range(max(len(TOLERANCES), len(SAMPLES))):
         if i < len(TOLERANCES):
             passes, seconds = render(scene, {"error_tolerance": TOLERANCES[i]}, 0)
             add("Penumbra", TOLERANCES[i], passes["Combined"], seconds)
-        if i < len(SAMPLES):
+        if i < len(SAMPLES) and affordable("Cycles"):
             passes, seconds = cycles(scene, SAMPLES[i], None)
             add("Cycles", SAMPLES[i], passes["Combined"], seconds)
-        if i < len(SAMPLES) and mitsuba:
+        if i == 0:  # the scene as it is now, into a file
+            blend_file = folder / "peers_scene.blend"
+            bpy.ops.wm.save_as_mainfile(filepath=str(blend_file), copy=True, compress=False)
+            for own in rows[:2]:
+                whole = whole_process(blend_file, own["renderer"].upper(), folder)
+                beside[own["renderer"]] = max(whole - own["cpu_seconds"], 0.0)
+        if i < len(SAMPLES) and mitsuba and affordable("Mitsuba"):
             seconds, pixels = mitsuba.ask(SAMPLES[i])
             add("Mitsuba", SAMPLES[i], pixels, seconds)
-        if i < len(THRESHOLDS):
+        if i < len(THRESHOLDS) and affordable("Cycles, adaptive"):
             passes, seconds = cycles(scene, 1024, THRESHOLDS[i])
             add("Cycles, adaptive", THRESHOLDS[i], passes["Combined"], seconds)
     if mitsuba:
+        beside["Mitsuba"], _ = mitsuba.ask("beside")
         mitsuba.close()
+    for row in rows:
+        row["beside"] = beside[row["renderer"].partition(",")[0]]
     return rows
 
 
+def fastest(rows, name, renderer, error, key):
+    """(CPU seconds of the render, of the process, mark) of a renderer, the better of its ways of sampling."""
+    own = [row for row in rows if row["scene"] == name and row["renderer"].partition(",")[0] == renderer]
+    kinds = [[row for row in own if row["renderer"] == kind] for kind in dict.fromkeys(row["renderer"] for row in own)]
+    # Not even the adaptive runs need be in order; only what they bracket counts for them.
+    found = [(seconds_at(error, runs, key), "," in runs[0]["renderer"]) for runs in kinds]
+    (seconds, mark), _ = min(item for item in found if not (item[1] and item[0][1] == "~"))
+    return seconds, seconds + own[0]["beside"], mark
+
+
 def table(rows):
-    """Markdown: seconds and factors at each target."""
-    lines = ["| scene | error | Penumbra | Cycles | factor | Mitsuba | factor |", "|---|---|---|---|---|---|---|"]
+    """Markdown: seconds and factors at each error; the goals, where there are some, in brackets."""
+    peers = [r for r in ("Cycles", "Mitsuba") if any(row["renderer"] == r for row in rows)]
+    head = ["scene", "error", "Penumbra", *(cell for peer in peers for cell in (peer, "factor"))]
+    head += ["processes: Penumbra", *peers]
+    lines = [f"| {' | '.join(head)} |", "|" + "---|" * len(head)]
     for name in dict.fromkeys(row["scene"] for row in rows):
-        for key, label in (("relative_rmse", "RMSE"), ("p99", "P99")):
+        for key, label in ERRORS.items():
             for target in TARGETS:
-                cells = []
-                ours, beyond = 0.0, False
-                for renderer in ("Penumbra", "Cycles", "Mitsuba"):
-                    runs = [r for r in rows if r["scene"] == name and r["renderer"] == renderer]
-                    if not runs:
-                        cells += ["", ""]
-                        continue
-                    seconds, guessed = seconds_at(target, runs, key)
-                    cells.append(f"{'~' if guessed else ''}{seconds:.2g} s")
-                    if renderer == "Penumbra":
-                        ours, beyond = seconds, guessed
-                    else:
-                        cells.append(f"{'~' if guessed or beyond else ''}{seconds / ours:.0f}x")
-                lines.append(f"| {name} | {label} {target:.1%} | " + " | ".join(cells) + " |")
+                ours, process, own_mark = fastest(rows, name, "Penumbra", target, key)
+                cells, processes = [f"{own_mark}{ours:.2g} s"], [f"{own_mark}{process:.2g} s"]
+                for k, peer in enumerate(peers):
+                    seconds, whole, mark = fastest(rows, name, peer, target, key)
+                    goal = f" ({GOALS[name][k]})" if (key, target) == ("relative_rmse", 0.002) and name in GOALS else ""
+                    guess = "~" if "~" in mark + own_mark else ""
+                    cells += [f"{mark}{seconds:.2g} s", f"{guess}{seconds / ours:.2g}x{goal}"]
+                    processes.append(f"{mark}{whole:.2g} s")
+                lines.append(f"| {name} | {label} {target:.1%} | {' | '.join(cells + processes)} |")
     return lines
+
+
+def plot(rows, path):
+    """One panel a scene."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+
+    names = list(dict.fromkeys(row["scene"] for row in rows))
+    figure, panels = pyplot.subplots(1, len(names), figsize=(4 * len(names), 4), squeeze=False, sharey=True)
+    for name, axes in zip(names, panels[0], strict=True):
+        for renderer in dict.fromkeys(row["renderer"] for row in rows):
+            own = [row for row in rows if (row["scene"], row["renderer"]) == (name, renderer)]
+            axes.loglog([r["cpu_seconds"] for r in own], [r["relative_rmse"] for r in own], "o-", label=renderer)
+        axes.set_title(name)
+        axes.set_xlabel("CPU seconds of the render")
+        axes.grid(True, which="both", alpha=0.3)
+    panels[0][0].set_ylabel("relative RMSE")
+    panels[0][0].legend()
+    figure.tight_layout()
+    figure.savefig(path, dpi=100)
 
 
 def main(folder, percentage=100, python="-", names=SCENES):
@@ -199,7 +269,7 @@ def main(folder, percentage=100, python="-", names=SCENES):
             writer.writerows(rows)
         (folder / "peers.md").write_text("\n".join(table(rows)) + "\n")
     print("\n".join(table(rows)))
-    plot([{**row, "renderer": f"{row['scene']}: {row['renderer']}"} for row in rows], folder / "peers.png")
+    plot(rows, folder / "peers.png")
 
 
 if __name__ == "__main__":
