@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "math/simd.h"
+#include "sampling/sampler.h"
 
 namespace penumbra {
 namespace {
@@ -31,14 +32,15 @@ double mass(int k) {
 
 PENUMBRA_VECTORIZED
 void interpolate(const double* quantiles, const float* variates, uint32_t count, double* out) {
+  alignas(64) double result[kPacket];  // `out` might alias the table
   for (uint32_t i = 0; i < count; ++i) {
-    const double x = double(variates[i]), tail = x < 0.5 ? x : 1 - x,
-                 place = std::sqrt(2 * tail) * kQuantiles;
+    const double x = double(variates[i]), other = 1 - x, tail = x < other ? x : other;
+    const double side = x < other ? -1.0 : 1.0, place = std::sqrt(2 * tail) * kQuantiles;
     const int floor = int(place), k = floor < kQuantiles - 1 ? floor : kQuantiles - 1;
-    const double low = quantiles[k], high = quantiles[k + 1],
-                 distance = low + (place - double(k)) * (high - low);
-    out[i] = x < 0.5 ? -distance : distance;
+    const double low = quantiles[k], high = quantiles[k + 1];
+    result[i] = side * (low + (place - double(k)) * (high - low));
   }
+  for (uint32_t i = 0; i < count; ++i) out[i] = result[i];
 }
 
 }  // namespace

@@ -23,7 +23,7 @@ class PixelFilter {
   /// Second moment of the offsets along one axis, pixels squared.
   double variance() const { return variance_; }
 
-  /// Offsets in pixels, distributed as the filter. x in [0, 1).
+  /// Offsets in pixels, distributed as the filter. x in [0, 1); count: at most kPacket.
   void offsets(const float* x, uint32_t count, double* out) const;
 
  private:
