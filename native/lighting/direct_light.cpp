@@ -56,9 +56,11 @@ DirectLight::Estimate DirectLight::from(const Luminaire& luminaire, const Shadin
   StopRule rule(stop_, diffuse, glossy);
   Moments moments;
   double all_diffuse = 0, all_glossy = 0;  // sums without shadows, if parts are wanted
-  alignas(64) float u[kBatch], v[kBatch], specular[kPacket], unshadowed[kPacket],
-      unshadowed_specular[kPacket];
+  alignas(64) float u[kBatch], v[kBatch], specular[kBatch], unshadowed[kBatch], unshadowed_specular[kBatch];
+  alignas(64) int ray_of[kBatch];
   LightPoints points;
+  float* f = points.form_factor;
+  const float *x = points.x, *y = points.y, *z = points.z;
   // The growing rules decide after few points: a packet at a time wastes least.
   const uint32_t step = stop_.kind == StopRuleKind::kFixed ? kBatch : kPacket;
   const uint32_t limit = luminaire.is_point() ? 1 : stop_.limit();
@@ -71,38 +73,33 @@ DirectLight::Estimate DirectLight::from(const Luminaire& luminaire, const Shadin
     const uint32_t generated = (used + kPacket - 1) / kPacket * kPacket;
     sampler_.points(key, first, generated, u, v);
     luminaire.evaluate(point.surface, u, v, generated, points);
-
-    for (uint32_t packet = 0; packet < used && !done; packet += kPacket) {
-      const uint32_t size = std::min(kPacket, used - packet);
-      float* f = points.form_factor + packet;
-      const float *x = points.x + packet, *y = points.y + packet, *z = points.z + packet;
-      std::fill(f + size, f + kPacket, 0.0f);  // generated, but not asked for
-      alignas(64) int ray_of[kPacket] = {};
-      if (parts) {
-        std::copy(f, f + kPacket, unshadowed);
-        if (point.has_glossy) evaluate_glossy(point, x, y, z, unshadowed, size, unshadowed_specular);
-        weigh_diffuse(point, x, y, z, size, unshadowed);
-      }
-      if (luminaire.casts_shadow()) traced += rays.hide(x, y, z, f, ray_of);
-      if (point.has_glossy) evaluate_glossy(point, x, y, z, f, size, specular);
-      weigh_diffuse(point, x, y, z, size, f);
-      // The rule sees the points as if they came one by one.
-      uint32_t added = 0;
-      while (added < size && !done) {
-        const uint32_t n = std::min(until_check, size - added);
-        moments.add(f + added, point.has_glossy ? specular + added : nullptr, n);
-        added += n;
-        until_check -= n;
-        if (until_check > 0) continue;
-        done = rule.enough(moments);
-        until_check = rule.next_check(uint32_t(moments.count));
-      }
-      for (uint32_t i = 0; parts && i < added; ++i) {
-        all_diffuse += double(unshadowed[i]);
-        if (point.has_glossy) all_glossy += double(unshadowed_specular[i]);
-      }
-      for (uint32_t i = added; i < size; ++i) tally.shadow_rays_beyond_stop += uint64_t(-ray_of[i]);
+    std::fill(f + used, f + generated, 0.0f);  // generated, but not asked for
+    std::fill(ray_of, ray_of + generated, 0);
+    if (parts) {
+      std::copy(f, f + used, unshadowed);
+      if (point.has_glossy) evaluate_glossy(point, x, y, z, unshadowed, used, unshadowed_specular);
+      weigh_diffuse(point, x, y, z, used, unshadowed);
     }
+    for (uint32_t k = 0; luminaire.casts_shadow() && k < used; k += kPacket)
+      traced += rays.hide(x + k, y + k, z + k, f + k, ray_of + k);
+    if (point.has_glossy) evaluate_glossy(point, x, y, z, f, used, specular);
+    weigh_diffuse(point, x, y, z, used, f);
+    // The rule sees the points as if they came one by one.
+    uint32_t added = 0;
+    while (added < used && !done) {
+      const uint32_t n = std::min(until_check, used - added);
+      moments.add(f + added, point.has_glossy ? specular + added : nullptr, n);
+      added += n;
+      until_check -= n;
+      if (until_check > 0) continue;
+      done = rule.enough(moments);
+      until_check = rule.next_check(uint32_t(moments.count));
+    }
+    for (uint32_t i = 0; parts && i < added; ++i) {
+      all_diffuse += double(unshadowed[i]);
+      if (point.has_glossy) all_glossy += double(unshadowed_specular[i]);
+    }
+    for (uint32_t i = added; i < used; ++i) tally.shadow_rays_beyond_stop += uint64_t(-ray_of[i]);
   }
   tally.light_points += uint64_t(moments.count);
   tally.shadow_rays += traced;

@@ -6,11 +6,13 @@
 namespace penumbra {
 
 PENUMBRA_VECTORIZED
-PacketSums sum_packet(const float* a, const float* b) {
-  double s[kPacket], t[kPacket];
-  for (uint32_t i = 0; i < kPacket; ++i) {
-    s[i] = double(a[i]);
-    t[i] = double(a[i]) * double(b[i]);
+PacketSums sum_packets(const float* a, const float* b, uint32_t packets) {
+  double s[kPacket] = {}, t[kPacket] = {};
+  for (uint32_t packet = 0; packet < packets; ++packet) {
+    for (uint32_t i = 0; i < kPacket; ++i) {
+      s[i] += double(a[packet * kPacket + i]);
+      t[i] += double(a[packet * kPacket + i]) * double(b[packet * kPacket + i]);
+    }
   }
   for (uint32_t half = kPacket / 2; half; half /= 2) {
     for (uint32_t i = 0; i < half; ++i) {

@@ -10,17 +10,17 @@
 
 namespace penumbra {
 
-/// Sums of a and of a * b over a whole packet, added as a fixed tree.
+/// Sums of a and of a * b over whole packets: lane by lane, then as a fixed tree.
 struct PacketSums {
   double a, ab;
 };
-PacketSums sum_packet(const float* a, const float* b);
+PacketSums sum_packets(const float* a, const float* b, uint32_t packets);
 
 /// Sums over light points of the two lobes, diffuse f and Phong p (see LightPoints, evaluate_phong).
 struct Moments {
   double count = 0, f = 0, p = 0, ff = 0, fp = 0, pp = 0;
 
-  /// Adds points [0, n). A whole packet is summed as a fixed tree, fewer points one by one: the order, and so
+  /// Adds points [0, n). Whole packets are summed as a fixed tree, fewer points one by one: the order, and so
   /// the result, depends on the caller's spans alone. `phong` may be null: no such lobe.
   void add(const float* diffuse, const float* phong, uint32_t n) {
     count += n;
@@ -47,16 +47,16 @@ struct Moments {
  private:
   /// first += sum of a, second += sum of a * b.
   static void sum(const float* a, const float* b, uint32_t n, double& first, double& second) {
-    if (n != kPacket) {
-      for (uint32_t i = 0; i < n; ++i) {
-        first += double(a[i]);
-        second += double(a[i]) * double(b[i]);
-      }
-      return;
+    const uint32_t packets = n / kPacket;
+    if (packets) {
+      const PacketSums sums = sum_packets(a, b, packets);
+      first += sums.a;
+      second += sums.ab;
     }
-    const PacketSums sums = sum_packet(a, b);
-    first += sums.a;
-    second += sums.ab;
+    for (uint32_t i = packets * kPacket; i < n; ++i) {
+      first += double(a[i]);
+      second += double(a[i]) * double(b[i]);
+    }
   }
 };
 
