@@ -32,13 +32,26 @@ double sum_above(const float* x, const float* y, const float* z, uint32_t count,
   return sum;
 }
 
-/// Integral of the unit direction over solid angle between two polar angles from straight down (radians), and
-/// two azimuths.
-Vec3d mean_direction(double theta0, double theta1, double phi0, double phi1) {
-  const double across = (theta1 - theta0) / 2 - (std::sin(2 * theta1) - std::sin(2 * theta0)) / 4;
-  const double down = (std::pow(std::sin(theta1), 2) - std::pow(std::sin(theta0), 2)) / 2;
-  return {across * (std::sin(phi1) - std::sin(phi0)), across * (std::cos(phi0) - std::cos(phi1)),
-          -down * (phi1 - phi0)};
+/// Between two polar angles from straight down (radians).
+struct PolarAngles {
+  double across, down;
+
+  PolarAngles(double from, double to)
+      : across((to - from) / 2 - (std::sin(2 * to) - std::sin(2 * from)) / 4),
+        down((std::pow(std::sin(to), 2) - std::pow(std::sin(from), 2)) / 2) {}
+};
+
+/// Between two azimuths.
+struct Azimuths {
+  double x, y, angle;
+
+  Azimuths(double from, double to)
+      : x(std::sin(to) - std::sin(from)), y(std::cos(from) - std::cos(to)), angle(to - from) {}
+};
+
+/// Integral of the unit direction over solid angle.
+Vec3d mean_direction(const PolarAngles& polar, const Azimuths& azimuths) {
+  return {polar.across * azimuths.x, polar.across * azimuths.y, -polar.down * azimuths.angle};
 }
 
 /// Turns n values into their cumulative sums from 0 to 1 at out[0 ... n]; returns the sum.
@@ -76,11 +89,8 @@ void ConstantSky::evaluate(const SurfacePoint& surface, const float* u, const fl
     for (uint32_t i = 0; i < count; ++i) axis[i] *= kBeyondScene;
 }
 
-PictureSky::PictureSky(const std::vector<float>& weights, uint32_t width, uint32_t height,
-                       const Affine& local_from_world)
+SkyTable::SkyTable(const std::vector<float>& weights, uint32_t width, uint32_t height)
     : width_(width), height_(height), rows_(height + 1), columns_(size_t(height) * (width + 1)) {
-  for (int i = 0; i < 3; ++i)
-    axes_[i] = Vec3f(local_from_world.inverse_vector({double(i == 0), double(i == 1), double(i == 2)}));
   for (uint32_t row = 0; row <= height; ++row) heights_.push_back(float(-std::cos(kPi * row / height)));
   std::vector<double> powers(height), pixels(width);
   for (uint32_t row = 0; row < height; ++row) {
@@ -90,45 +100,59 @@ PictureSky::PictureSky(const std::vector<float>& weights, uint32_t width, uint32
     powers[row] = accumulate(pixels.data(), width, &columns_[size_t(row) * (width + 1)]) / width * share;
   }
   mean_ = accumulate(powers.data(), height, rows_.data());
-  sum_cells(weights, local_from_world);
+  sum_cells(weights);
 }
 
 /// Every pixel's light as a vector, added to its cell's; large pixels are cut up first.
-void PictureSky::sum_cells(const std::vector<float>& weights, const Affine& local_from_world) {
+void SkyTable::sum_cells(const std::vector<float>& weights) {
   const uint32_t nx = (kCellColumns + width_ - 1) / width_, ny = (kCellRows + height_ - 1) / height_;
   const uint32_t columns = width_ * nx, rows = height_ * ny;
   std::vector<Vec3d> cells(size_t(kCellColumns) * kCellRows);
-  for (uint32_t row = 0; row < rows; ++row)
+  const double theta = kPi / rows, phi = 2 * kPi / columns;
+  std::vector<Azimuths> azimuths;
+  for (uint32_t column = 0; column < columns; ++column)
+    azimuths.emplace_back(kPi - phi * (column + 1), kPi - phi * column);
+  for (uint32_t row = 0; row < rows; ++row) {
+    const PolarAngles polar(theta * row, theta * (row + 1));
     for (uint32_t column = 0; column < columns; ++column) {
       const float weight = weights[size_t(row / ny) * width_ + column / nx];
       if (!(weight > 0)) continue;
-      const double theta = kPi / rows, phi = 2 * kPi / columns;
-      const Vec3d d =
-          mean_direction(theta * row, theta * (row + 1), kPi - phi * (column + 1), kPi - phi * column);
       cells[size_t(uint64_t(row) * kCellRows / rows) * kCellColumns +
-            size_t(uint64_t(column) * kCellColumns / columns)] += d * double(weight);
+            size_t(uint64_t(column) * kCellColumns / columns)] +=
+          mean_direction(polar, azimuths[column]) * double(weight);
     }
+  }
   const double scale = mean_ > 0 ? 1 / (kPi * mean_) : 0;
   for (const Vec3d& cell : cells) {
-    const Vec3f v(local_from_world.inverse_vector(cell * scale));
+    const Vec3f v(cell * scale);
     x_.push_back(v.x);
     y_.push_back(v.y);
     z_.push_back(v.z);
   }
 }
 
-/// Unit direction in the world: uniformly in solid angle within a pixel.
-Vec3f PictureSky::direction(float u, float v) const {
+Vec3f SkyTable::direction(float u, float v) const {
   const Place row = find(rows_.data(), height_, v);
   const Place column = find(&columns_[size_t(row.step) * (width_ + 1)], width_, u);
   const float low = heights_[row.step], high = heights_[row.step + 1];
   const float z = low + (high - low) * row.within, sine = std::sqrt(std::max(1 - z * z, 0.0f));
   const float azimuth = float(kPi) * (1 - 2 * (float(column.step) + column.within) / float(width_));
-  return axes_[0] * (sine * std::cos(azimuth)) + axes_[1] * (sine * std::sin(azimuth)) + axes_[2] * z;
+  return {sine * std::cos(azimuth), sine * std::sin(azimuth), z};
+}
+
+double SkyTable::form_factor(const Vec3f& normal) const {
+  return sum_above(x_.data(), y_.data(), z_.data(), uint32_t(x_.size()), normal);
+}
+
+PictureSky::PictureSky(std::shared_ptr<const SkyTable> table, const Affine& local_from_world)
+    : table_(std::move(table)) {
+  for (int i = 0; i < 3; ++i)
+    axes_[i] = Vec3f(local_from_world.inverse_vector({double(i == 0), double(i == 1), double(i == 2)}));
 }
 
 double PictureSky::form_factor(const SurfacePoint& surface) const {
-  return sum_above(x_.data(), y_.data(), z_.data(), uint32_t(x_.size()), Vec3f(surface.normal));
+  const Vec3f n(surface.normal);
+  return table_->form_factor({dot(axes_[0], n), dot(axes_[1], n), dot(axes_[2], n)});
 }
 
 /// A density in proportion to radiance leaves mean x 4 pi x cos / pi, over the mean.
@@ -136,7 +160,8 @@ void PictureSky::evaluate(const SurfacePoint& surface, const float* u, const flo
                           LightPoints& out) const {
   const Vec3f normal(surface.normal);
   for (uint32_t i = 0; i < count; ++i) {
-    const Vec3f d = direction(u[i], v[i]);
+    const Vec3f local = table_->direction(u[i], v[i]),
+                d = axes_[0] * local.x + axes_[1] * local.y + axes_[2] * local.z;
     out.x[i] = d.x * kBeyondScene;
     out.y[i] = d.y * kBeyondScene;
     out.z[i] = d.z * kBeyondScene;

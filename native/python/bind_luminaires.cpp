@@ -2,7 +2,9 @@
 // What gives light, of penumbra_native.Scene: luminaires and the background.
 #include <pybind11/stl.h>
 
+#include <cstring>
 #include <numbers>
+#include <variant>
 
 #include "luminaire/flat_emitter.h"
 #include "python/arrays.h"
@@ -53,16 +55,22 @@ void add_point_light(PythonScene& self, const std::string& name, const py::array
   self.scene->add_luminaire(std::move(light));
 }
 
+std::shared_ptr<SkyPicture> sky_picture(const py::array& image) {
+  std::vector<Vec3f> pixels = read_colors(image, "background", "image");
+  return std::make_shared<SkyPicture>(uint32_t(image.shape(1)), uint32_t(image.shape(0)), std::move(pixels));
+}
+
+using AnyPicture = std::variant<std::shared_ptr<SkyPicture>, py::array>;
+
 void set_background(PythonScene& self, const Color& color, bool transparent, bool lights, bool seen_by_camera,
-                    const std::optional<py::array>& image, const std::optional<py::array>& local_from_world,
+                    const std::optional<AnyPicture>& image, const std::optional<py::array>& local_from_world,
                     bool smooth, const std::optional<uint32_t>& light_group) {
   Background background{vec(color), transparent,    {},
                         lights,     seen_by_camera, light_group.value_or(kNoLightGroup)};
   if (image) {
     const auto sky = std::make_shared<Environment>();
-    sky->pixels = read_colors(*image, "background", "image");
-    sky->width = uint32_t(image->shape(1));
-    sky->height = uint32_t(image->shape(0));
+    const auto* made = std::get_if<std::shared_ptr<SkyPicture>>(&*image);
+    sky->picture = made ? *made : sky_picture(std::get<py::array>(*image));
     sky->smooth = smooth;
     if (local_from_world)
       sky->local_from_world = read_transform(*local_from_world, "background", "local_from_world");
@@ -102,6 +110,20 @@ receiver set of add_instance, whether it lights those instances; empty: all.)")
           text += std::string(name) + "=" + (value ? "True, " : "False, ");
         return text + "shadow_rays=" + std::to_string(r.shadow_rays) + ")";
       });
+  py::class_<SkyPicture, std::shared_ptr<SkyPicture>>(module, "SkyPicture",
+                                                      R"(A picture of the whole sky, shared by scenes.
+
+image: (height, width, 3) float, equirectangular, scene linear, rows from straight down up, columns from azimuth pi down to
+-pi. What it gives as a light is made once. ValueError where it has no pixels, or not finite ones.)")
+      .def(py::init(&sky_picture), py::arg("image"))
+      .def_property_readonly(
+          "pixels",
+          [](const SkyPicture& self) {
+            py::array_t<float> copy({self.height(), self.width(), 3u});
+            std::memcpy(copy.mutable_data(), self.pixels().data(), size_t(copy.nbytes()));
+            return copy;
+          },
+          "(height, width, 3) float32, a copy.");
   module.attr("CAMERA_RAY") = kCameraRay;
   module.attr("MIRROR_RAY") = kMirrorRay;
   module.attr("SHADOW_RAY") = kShadowRay;
@@ -186,9 +208,8 @@ Arguments as of add_mesh and add_instance. radiance: (r, g, b), W/(sr m^2).)")
            py::arg("light_group") = py::none(),
            R"(What is seen where nothing is hit; transparent: alpha 0 there for the camera.
 
-color: radiance (r, g, b), or what an image is multiplied with. lights: it lights the scene. image: (height, width, 3)
-float32, equirectangular, rows from straight down up, columns from azimuth pi down to -pi. local_from_world: (4, 4)
-float64, its rotation. smooth: interpolated between pixels' centres. light_group: number, None: of none.)");
+color: radiance (r, g, b), or what an image is multiplied with. lights: it lights the scene. image: a SkyPicture, or
+the array of one. local_from_world: (4, 4) float64, its rotation. smooth: interpolated between pixels' centres. light_group: number, None: of none.)");
 }
 
 }  // namespace penumbra::python

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <vector>
 
 namespace penumbra {
 
@@ -55,6 +56,26 @@ constexpr uint32_t owen_scramble_reversed(uint32_t x, uint32_t seed) {
   x ^= x * 0xC7AFE638u;
   x ^= x * 0x8D22F6E6u;
   return x;
+}
+
+/// Likewise of an array's elements. Four stretches at a time: each step of a hash waits for the one before.
+template <typename T>
+uint64_t hash_array(uint64_t h, const std::vector<T>& values) {
+  constexpr size_t kLanes = 4, kWord = sizeof(uint64_t), kWorthIt = 4096;
+  const auto* bytes = reinterpret_cast<const unsigned char*>(values.data());
+  const size_t size = values.size() * sizeof(T);
+  if (size < kWorthIt) return hash_bytes(h, bytes, size);
+  const size_t stretch = size / kLanes / kWord * kWord;
+  uint64_t lanes[kLanes] = {h, h + 1, h + 2, h + 3};
+  for (size_t i = 0; i < stretch; i += kWord)
+    for (size_t k = 0; k < kLanes; ++k) {
+      uint64_t word;
+      std::memcpy(&word, bytes + k * stretch + i, kWord);
+      lanes[k] = (lanes[k] ^ word) * 0x9E3779B97F4A7C15u;
+      lanes[k] ^= lanes[k] >> 32;
+    }
+  h = hash_of(lanes[0], lanes[1], lanes[2], lanes[3], uint64_t(size));
+  return hash_bytes(h, bytes + kLanes * stretch, size - kLanes * stretch);
 }
 
 }  // namespace penumbra

@@ -30,26 +30,6 @@ void check_triangles(const std::string& name, const std::vector<Vec3d>& position
                          ", but there are " + std::to_string(positions.size()));
 }
 
-/// Four stretches at a time: each step of a hash waits for the one before.
-template <typename T>
-uint64_t hash_array(uint64_t h, const std::vector<T>& values) {
-  constexpr size_t kLanes = 4, kWord = sizeof(uint64_t), kWorthIt = 4096;
-  const auto* bytes = reinterpret_cast<const unsigned char*>(values.data());
-  const size_t size = values.size() * sizeof(T);
-  if (size < kWorthIt) return hash_bytes(h, bytes, size);
-  const size_t stretch = size / kLanes / kWord * kWord;
-  uint64_t lanes[kLanes] = {h, h + 1, h + 2, h + 3};
-  for (size_t i = 0; i < stretch; i += kWord)
-    for (size_t k = 0; k < kLanes; ++k) {
-      uint64_t word;
-      std::memcpy(&word, bytes + k * stretch + i, kWord);
-      lanes[k] = (lanes[k] ^ word) * 0x9E3779B97F4A7C15u;
-      lanes[k] ^= lanes[k] >> 32;
-    }
-  h = hash_of(lanes[0], lanes[1], lanes[2], lanes[3], uint64_t(size));
-  return hash_bytes(h, bytes + kLanes * stretch, size - kLanes * stretch);
-}
-
 uint64_t hash_of_role(uint64_t h, const LuminaireRole& role) {
   const uint32_t values[5] = {role.to_camera, role.in_mirrors, role.diffuse, role.glossy, role.shadow_rays};
   h = hash_bytes(h, values, sizeof(values));
@@ -349,13 +329,9 @@ void Scene::set_background(const Background& background) {
     refuse("background", "no light group with number " + std::to_string(background.light_group));
   hash_ = hash_of(hash_, background.light_group);
   if (const Environment* sky = background.environment.get()) {
-    if (sky->pixels.empty() || sky->pixels.size() != size_t(sky->width) * sky->height)
-      refuse("background", "the picture has no pixels");
-    for (const Vec3f& pixel : sky->pixels)
-      if (!is_finite(pixel)) refuse("background", "the picture has pixels that are not finite");
     if (!sky->local_from_world.finite() || sky->local_from_world.determinant() == 0)
       refuse("background", "the picture's rotation is not finite or singular");
-    hash_ = hash_array(hash_of(hash_, sky->width), sky->pixels);
+    hash_ = hash_of(hash_, sky->picture->hash());
     hash_ = hash_bytes(hash_, &sky->local_from_world, sizeof(Affine));
   }
   background_ = background;

@@ -287,7 +287,7 @@ def test_a17_a_painted_sky_that_is_no_numbers_is_named(lit_scene, pixel):
     texture = tree.nodes.new("ShaderNodeTexEnvironment")
     texture.image = picture
     tree.links.new(texture.outputs["Color"], background.inputs["Color"])
-    fails(lit_scene, "world 'Himmel': its picture has pixels that are not finite")
+    fails(lit_scene, "world 'Himmel': the picture has pixels that are not finite")
 
 
 def test_a17_a_sky_of_a_strength_that_is_no_number_is_named(lit_scene):

@@ -5,7 +5,9 @@ import bpy
 import numpy as np
 import pytest
 from cycles_reference import colour, converge_cycles, relative_rmse, render_with_cycles, render_with_penumbra
-from helpers import add_camera, add_cube, add_plane
+from helpers import add_camera, add_cube, add_plane, read_exr, render_pixels
+from penumbra import compat, native
+from penumbra.export import Kept, world
 from recording import record
 
 
@@ -107,7 +109,9 @@ def test_a_byte_picture_is_decoded(scene, monkeypatch):
     texture.image = bpy.data.images.new("Bytes", 4, 2)
     texture.image.pixels.foreach_set(np.tile(np.float32([0.5, 0.5, 0.0, 1.0]), 8))
     found = record(scene, monkeypatch)
-    np.testing.assert_allclose(found.background.image, np.broadcast_to([0.2140, 0.2140, 0.0], (2, 4, 3)), atol=4e-3)
+    np.testing.assert_allclose(
+        found.background.image.pixels, np.broadcast_to([0.2140, 0.2140, 0.0], (2, 4, 3)), atol=4e-3
+    )
     assert found.notes == []
 
 
@@ -155,3 +159,55 @@ def test_what_is_left_out_is_named(scene, monkeypatch):
     tree = scene.world.node_tree
     tree.links.new(tree.nodes.new("ShaderNodeAddShader").outputs[0], tree.nodes["World Output"].inputs["Surface"])
     assert "node 'Add Shader' is not supported yet" in record(scene, monkeypatch).notes[0]
+
+
+def test_a_picture_is_read_again_only_if_it_has_changed(scene, tmp_path):
+    """Colour space, painting, saving and reloading are seen; what no export uses any more is let go of."""
+    pn, kept = native.require(), Kept(native.require())
+    source = set_environment(scene, sky_picture(8, 4)).image
+    source.filepath_raw, source.file_format = str(tmp_path / "sky.exr"), "OPEN_EXR"
+    source.save()
+    image = bpy.data.images.load(str(tmp_path / "sky.exr"))
+
+    def read(image=image):
+        kept.begin()
+        picture = world.picture_of(pn, image, [], kept) if image else None
+        kept.end()
+        return picture
+
+    first = read()
+    np.testing.assert_allclose(first.pixels, sky_picture(8, 4), rtol=1e-3)
+    assert read() is first and kept.skies_read == 1
+    linear, image.colorspace_settings.name = image.colorspace_settings.name, "sRGB"
+    assert not np.array_equal(read().pixels, first.pixels)
+    image.colorspace_settings.name = linear
+    painted = np.array(image.pixels[:], dtype=np.float32).reshape(4, 8, 4) * 2
+    image.pixels.foreach_set(painted.ravel())
+    image.update()
+    before = kept.skies_read
+    for _ in range(2):  # nothing tells whether it was painted on, so it is read each time
+        np.testing.assert_array_equal(read().pixels, painted[..., :3])
+    assert kept.skies_read == before + 2
+    image.save()
+    saved = read()
+    np.testing.assert_allclose(saved.pixels, painted[..., :3], rtol=1e-3)
+    assert read() is saved
+    read(None)
+    assert read() is not saved
+
+
+def test_a_kept_picture_shows_what_a_new_one_does(scene, tmp_path):
+    """Two frames of an animation with persistent data, the second with the first one's picture, as if rendered
+    alone; kept meshes are traced in a space of their own (README)."""
+    add_box_on_a_floor(scene)
+    set_environment(scene, sky_picture())
+    scene.render.use_persistent_data, scene.frame_start, scene.frame_end = True, 1, 2
+    compat.set_file_format(scene.render.image_settings, "OPEN_EXR")
+    scene.render.image_settings.color_depth = "32"
+    scene.render.filepath = str(tmp_path / "frame_")
+    bpy.ops.render.render(animation=True)
+    second = read_exr(tmp_path / "frame_0002.exr")["Combined"]
+    scene.render.use_persistent_data = False
+    alone = render_pixels(scene)["Combined"]
+    assert alone.max() > 0.1
+    np.testing.assert_allclose(second[..., :3], alone[..., :3], rtol=1e-4, atol=1e-4)

@@ -111,9 +111,11 @@ Background read_background(Bytes& in) {
   background.lights = in.flag(), background.seen_by_camera = in.flag();
   if (in.flag()) return background;
   auto sky = std::make_shared<Environment>();
-  sky->width = 1 + in.below(8), sky->height = 1 + in.below(8);
-  for (uint32_t i = 0; i < sky->width * sky->height; ++i)
-    sky->pixels.push_back(in.byte() < 250 ? Vec3f(in.colour()) : Vec3f(in.vector()));
+  const uint32_t width = 1 + in.below(8), height = 1 + in.below(8);
+  std::vector<Vec3f> pixels;
+  for (uint32_t i = 0; i < width * height; ++i)
+    pixels.push_back(in.byte() < 250 ? Vec3f(in.colour()) : Vec3f(in.vector()));
+  sky->picture = std::make_shared<const SkyPicture>(width, height, std::move(pixels));
   sky->local_from_world = in.below(4) == 0 ? in.transform() : Affine{};
   sky->smooth = in.flag();
   background.environment = sky;

@@ -12,19 +12,21 @@ using test::kPi;
 using test::surface_at;
 using test::Trials;
 
-std::shared_ptr<Environment> picture(uint32_t width, uint32_t height, uint32_t seed, bool grey) {
-  const auto sky = std::make_shared<Environment>();
+std::shared_ptr<const Environment> environment(uint32_t width, uint32_t height, std::vector<Vec3f> pixels,
+                                               const Affine& local_from_world = {}, bool smooth = false) {
+  return std::make_shared<const Environment>(Environment{
+      std::make_shared<const SkyPicture>(width, height, std::move(pixels)), local_from_world, smooth});
+}
+
+std::shared_ptr<const Environment> picture(uint32_t width, uint32_t height, uint32_t seed, bool grey) {
   Trials trials(seed);
-  sky->width = width;
-  sky->height = height;
-  sky->smooth = false;
   const Affine t = trials.rigid(0);
-  sky->local_from_world = t;
+  std::vector<Vec3f> pixels;
   for (uint32_t i = 0; i < width * height; ++i) {
     const auto v = float(trials.uniform(0, 1) < 0.02 ? 200 : trials.uniform(0, 1));
-    sky->pixels.push_back(grey ? Vec3f(v, v * 0.5f, v * 0.25f) : Vec3f(v, float(trials.uniform(0, 1)), 1));
+    pixels.push_back(grey ? Vec3f(v, v * 0.5f, v * 0.25f) : Vec3f(v, float(trials.uniform(0, 1)), 1));
   }
-  return sky;
+  return environment(width, height, std::move(pixels), t);
 }
 
 Background background(std::shared_ptr<const Environment> sky) {
@@ -88,10 +90,9 @@ TEST_P(Sky, PicturesSendWhatTheyShow) {
 
 TEST_P(Sky, PointsLieInThePicturesBrightPixels) {
   // One pixel of the sky shines: every point must be seen there.
-  const auto sky = picture(16, 8, 33, true);
-  for (Vec3f& p : sky->pixels) p = {};
-  sky->pixels[5 * 16 + 3] = GetParam() ? Vec3f(1, 1, 1) : Vec3f(0, 1, 0);
-  const Background b = background(sky);
+  std::vector<Vec3f> pixels(16 * 8);
+  pixels[5 * 16 + 3] = GetParam() ? Vec3f(1, 1, 1) : Vec3f(0, 1, 0);
+  const Background b = background(environment(16, 8, pixels, Trials(33).rigid(0)));
   const auto parts = sky_luminaires(b);
   ASSERT_EQ(parts.size(), 1u);
   Trials trials(34);
@@ -114,21 +115,17 @@ TEST(Sky, ConstantIsAFurnace) {
 TEST(Sky, OffOrBlackIsNoLuminaire) {
   EXPECT_TRUE(sky_luminaires({{3, 2, 1}}).empty());
   EXPECT_TRUE(sky_luminaires({{0, 0, 0}, false, {}, true})[0].dark());
-  const auto black = picture(4, 2, 35, true);
-  for (Vec3f& p : black->pixels) p = {};
-  EXPECT_TRUE(sky_luminaires(background(black)).empty());
+  EXPECT_TRUE(sky_luminaires(background(environment(4, 2, std::vector<Vec3f>(8)))).empty());
 }
 
 TEST(Sky, LargePicturesAreAveragedDown) {
   // 5000 x 3 pixels become 1666 x 3 or so: a smooth picture sends the same, 1e-3.
-  const auto large = std::make_shared<Environment>();
-  large->width = 5000;
-  large->height = 4;
+  std::vector<Vec3f> pixels;
   for (uint32_t i = 0; i < 20000; ++i) {
     const auto v = float(2 + std::sin(2 * kPi * double(i % 5000) / 5000));
-    large->pixels.push_back({v, v, v});
+    pixels.push_back({v, v, v});
   }
-  const Background b = background(large);
+  const Background b = background(environment(5000, 4, pixels, {}, true));
   const Vec3d n = normalize(Vec3d{0.3, -0.5, 0.2});
   const auto [exact, points] = from_luminaires(sky_luminaires(b), surface_at({}, n));
   EXPECT_NEAR(exact.x, brute_force(b, n, 500).x, 2e-3 * exact.x);

@@ -56,7 +56,7 @@ def export_scene(pn, depsgraph, camera_object, notes: Notes, is_cancelled: Calla
 
     if space is None:
         camera.export(scene, depsgraph, camera_object, notes, motion)
-    world.export(scene, depsgraph.scene_eval, notes, traits.light_group(depsgraph.scene_eval.world))
+    world.export(pn, scene, depsgraph.scene_eval, notes, traits.light_group(depsgraph.scene_eval.world), kept)
     matrices = world_matrices(depsgraph.object_instances)
     for count, instance in enumerate(depsgraph.object_instances):
         if count % OBJECTS_BETWEEN_BREAKS == 0 and is_cancelled():

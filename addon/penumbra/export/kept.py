@@ -51,7 +51,7 @@ def changes_in(depsgraph) -> Changes:
 
 
 class Kept:
-    """The meshes of the last export, with their ray tracing structures, and the textures' pixels.
+    """The meshes of the last export, with their ray tracing structures, the textures' pixels and the world's picture.
 
     They are found by their content, so whatever was read anew and is as before costs no more than the reading. Where
     the depsgraph tells that no geometry has changed, evaluated meshes are found by their addresses and not even read.
@@ -67,15 +67,22 @@ class Kept:
         """One numbering for all exports, as meshes know attributes by their numbers"""
         self.meshes_read = 0
         """How many meshes were read from Blender so far"""
+        self.skies_read = 0
+        """How often a picture of the world was"""
+        self._sky: tuple | None = None
+        self._sky_is_used = False
 
     def begin(self, changes: Changes = ALL) -> None:
         """Called before an export: what has changed since the last one."""
         self._alive = [*self._before.values(), *self._now.values()]
         self._before, self._now = ({} if changes.geometry else self._now | self._before), {}
+        self._sky_is_used = False
 
     def end(self) -> None:
         """Called after a whole export: lets go of what it did not use."""
         self._before, self._alive = {}, []
+        if not self._sky_is_used:
+            self._sky = None
 
     def mesh(self, key, read):
         """The kept mesh of an address in Blender's memory, or None if it has no triangles. read: returns the arguments
@@ -88,3 +95,12 @@ class Kept:
                 self.meshes_read += 1
                 self._now[key] = self._store.keep(*arguments) if arguments else None
         return self._now[key]
+
+    def sky(self, fingerprint, read):
+        """What `read` returned for the world's picture, as long as its fingerprint is the same and not None."""
+        if fingerprint is None or self._sky is None or self._sky[0] != fingerprint:
+            self._sky = None  # two large pictures at once are one too many
+            self._sky = fingerprint, read()
+            self.skies_read += 1
+        self._sky_is_used = True
+        return self._sky[1]

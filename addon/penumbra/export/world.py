@@ -1,13 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The world: a colour or an equirectangular picture, seen where a ray hits nothing, that lights the scene."""
 
+from collections.abc import Callable
+from pathlib import Path
 from typing import NamedTuple
 
+import bpy
 import numpy as np
 
 from .. import compat
 from ..notes import Notes
 from .errors import ExportError
+from .kept import Kept
 from .nodes import follow, socket_colour, socket_value
 
 MISSING = np.array([[[1.0, 0.0, 1.0]]], dtype=np.float32)
@@ -20,8 +24,8 @@ class Sky(NamedTuple):
     """What is beyond all surfaces: radiance (r, g, b), multiplied with a picture if there is one."""
 
     colour: tuple[float, float, float]
-    image: np.ndarray | None = None
-    """(height, width, 3) float32, scene linear, row 0 = straight down"""
+    picture: object = None
+    """The native module's"""
     local_from_world: np.ndarray | None = None
     smooth: bool = True
 
@@ -47,6 +51,31 @@ def read_image(image, issues: list[str]) -> np.ndarray:
     return np.ascontiguousarray(colours, dtype=np.float32)
 
 
+def fingerprint(image) -> tuple | None:
+    """What is another one where an image's pixels are others; None where nothing tells: painted or generated ones."""
+    if image.source != "FILE" or image.is_dirty:
+        return None
+    path = Path(bpy.path.abspath(image.filepath, library=image.library))
+    packed = image.packed_file and hash(image.packed_file.data)
+    written = None if packed or not path.is_file() else path.stat().st_mtime_ns
+    return image.name_full, str(path), packed, written, tuple(image.size), image.colorspace_settings.name
+
+
+def picture_of(pn, image, issues: list[str], kept: Kept | None):
+    """The native picture of an image, that of an earlier export if nothing has changed; ValueError: it is unusable."""
+
+    if image is None:
+        return pn.SkyPicture(MISSING)
+
+    def read():
+        found: list[str] = []
+        return pn.SkyPicture(read_image(image, found)), found
+
+    picture, found = kept.sky(fingerprint(image), read) if kept else read()
+    issues += found
+    return picture
+
+
 def rotation_of(node, issues: list[str]) -> np.ndarray:
     """(4, 4) local from world of an Environment Texture: identity, or the rotation of the Mapping node before it."""
     source = follow(node.inputs["Vector"])
@@ -69,8 +98,11 @@ def rotation_of(node, issues: list[str]) -> np.ndarray:
     return rotation
 
 
-def sky_of(world, issues: list[str]) -> Sky:
-    """Black without a world or without a background node, as in Cycles; what is left out is added to `issues`."""
+def sky_of(world, issues: list[str], picture_of: Callable) -> Sky:
+    """Black without a world or without a background node, as in Cycles; what is left out is added to `issues`.
+
+    picture_of: makes the native picture of an image, or of None.
+    """
     if world is None:
         return BLACK
     tree = compat.node_tree(world)
@@ -91,23 +123,25 @@ def sky_of(world, issues: list[str]) -> Sky:
         return Sky(tuple(strength * c for c in socket_colour(node.inputs["Color"], issues)))
     if texture.image is None:
         issues.append(f"node {texture.name!r} has no image; rendered magenta")
-        return Sky((strength,) * 3, MISSING)
+        return Sky((strength,) * 3, picture_of(None))
     if texture.projection != "EQUIRECTANGULAR":
         issues.append(f"projection of node {texture.name!r} is not supported yet; the background is black")
         return BLACK
-    image, rotation = read_image(texture.image, issues), rotation_of(texture, issues)
-    return Sky((strength,) * 3, image, rotation, texture.interpolation != "Closest")
+    picture, rotation = picture_of(texture.image), rotation_of(texture, issues)
+    return Sky((strength,) * 3, picture, rotation, texture.interpolation != "Closest")
 
 
-def export(native_scene, scene, notes: Notes, light_group: int | None = None) -> None:
-    """Sets the native scene's background; light_group: number of the group that its light belongs to."""
+def export(pn, native_scene, scene, notes: Notes, light_group: int | None = None, kept: Kept | None = None) -> None:
+    """Sets the native scene's background. light_group: number of the group that its light belongs to. kept: what
+    earlier exports left."""
     issues: list[str] = []
     world = scene.world
-    sky = sky_of(world, issues)
+    try:
+        sky = sky_of(world, issues, lambda image: picture_of(pn, image, issues, kept))
+    except ValueError as problem:
+        raise ExportError(f"world {world.name!r}: {str(problem).removeprefix('background: ')}") from problem
     if not np.isfinite(sky.colour).all():
         raise ExportError(f"world {world.name!r}: its colour or strength is not a finite number")
-    if sky.image is not None and not np.isfinite(sky.image).all():
-        raise ExportError(f"world {world.name!r}: its picture has pixels that are not finite")
     seen_by = compat.world_visibility(world)
     if any(sky.colour) and seen_by["diffuse"] != seen_by["glossy"]:
         issues.append("ray visibility of diffuse and glossy alone is not supported yet; that of diffuse was used")
@@ -115,6 +149,6 @@ def export(native_scene, scene, notes: Notes, light_group: int | None = None) ->
         notes.add(f"world {world.name!r}: {'; '.join(issues)}")
     native_scene.set_background(
         color=sky.colour, transparent=scene.render.film_transparent, lights=seen_by["diffuse"],
-        seen_by_camera=seen_by["camera"], image=sky.image, local_from_world=sky.local_from_world, smooth=sky.smooth,
+        seen_by_camera=seen_by["camera"], image=sky.picture, local_from_world=sky.local_from_world, smooth=sky.smooth,
         light_group=light_group,
     )  # fmt: skip
