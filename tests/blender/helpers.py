@@ -88,6 +88,12 @@ def render_pixels(scene, engine: str = "PENUMBRA", lambertian: bool = True) -> d
         return read_exr(path)
 
 
+def fails(scene, text: str) -> None:
+    """Asserts that rendering `scene` is an error with this text in it."""
+    with pytest.raises(RuntimeError, match=text):
+        render_pixels(scene)
+
+
 def set_raw(settings, name: str, value) -> None:
     """What a file may hold, made by another version of Penumbra or by hand, though no panel takes it."""
     get = getattr(settings, "bl_system_properties_get", None)  # Blender 5.0+

@@ -52,8 +52,9 @@ def test_exposure_and_temperature(scene, kelvin):
     assert_alike(scene)
 
 
-@pytest.mark.parametrize("kelvin", [1200.0, 2700.0, 6500.0, 11000.0])
+@pytest.mark.parametrize("kelvin", [500.0, 800.0, 1200.0, 2700.0, 6500.0, 11000.0])
 def test_blackbody_node(scene, kelvin):
+    """Cycles has a fit of the same curve: within 0.3 % of the largest channel (seen: 0.17 %)."""
     light = floor_below(scene, "square")
     light.use_nodes = True
     tree = light.node_tree
@@ -63,4 +64,4 @@ def test_blackbody_node(scene, kelvin):
     ours = colour(render_with_penumbra(scene, 64)).mean((0, 1))
     assert statistics.last_render["warnings"] == []
     cycles = colour(render_with_cycles(scene, 64)).mean((0, 1))
-    assert np.abs(ours - cycles).max() < (0.02 if kelvin > 2000 else 0.05) * cycles.max()
+    assert np.abs(ours - cycles).max() < 3e-3 * cycles.max()

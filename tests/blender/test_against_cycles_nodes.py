@@ -184,8 +184,9 @@ CASES = {
 def test_node(scene, name):
     tree = Tree()
     show(scene, tree.emit(CASES[name](tree)))
-    # The range of WRAP comes near zero; Cycles 5 rounds noise and bytes' colours otherwise (seen: 2.5e-4).
-    assert_values_equal(scene, 6e-3 if name == "vector WRAP" else 3e-4)
+    # The range of WRAP comes near zero. Cycles 5 rounds noise and bytes' colours otherwise (seen: 2.5e-4).
+    tolerance = 2e-3 if name == "vector WRAP" else 2e-4
+    assert_values_equal(scene, tolerance * (3 if bpy.app.version >= (5, 0, 0) else 1))
 
 
 def half(t, vector):

@@ -5,13 +5,24 @@ import numpy as np
 
 SECOND_RADIATION_CONSTANT = 1.438776877e7
 """h c / k in nm K."""
-LOBES = (
-    ((1.056, 599.8, 37.9, 31.0), (0.362, 442.0, 16.0, 26.7), (-0.065, 501.1, 20.4, 26.2)),
-    ((0.821, 568.8, 46.9, 40.5), (0.286, 530.9, 16.3, 31.1)),
-    ((1.217, 437.0, 11.8, 36.0), (0.681, 459.0, 26.0, 13.8)),
-)
-"""The CIE 1931 observer's x, y, z as sums of Gaussians: height, centre, width to either side in nm (Wyman, Sloan and
-Shirley 2013, "Simple Analytic Approximations to the CIE XYZ Color Matching Functions")."""
+WAVELENGTHS = np.arange(380.0, 781.0, 10.0)
+"""nm"""
+OBSERVER = np.array([
+    (0.001368, 0.000039, 0.006450), (0.004243, 0.000120, 0.020050), (0.014310, 0.000396, 0.067850),
+    (0.043510, 0.001210, 0.207400), (0.134380, 0.004000, 0.645600), (0.283900, 0.011600, 1.385600),
+    (0.348280, 0.023000, 1.747060), (0.336200, 0.038000, 1.772110), (0.290800, 0.060000, 1.669200),
+    (0.195360, 0.090980, 1.287640), (0.095640, 0.139020, 0.812950), (0.032010, 0.208020, 0.465180),
+    (0.004900, 0.323000, 0.272000), (0.009300, 0.503000, 0.158200), (0.063270, 0.710000, 0.078250),
+    (0.165500, 0.862000, 0.042160), (0.290400, 0.954000, 0.020300), (0.433450, 0.994950, 0.008750),
+    (0.594500, 0.995000, 0.003900), (0.762100, 0.952000, 0.002100), (0.916300, 0.870000, 0.001650),
+    (1.026300, 0.757000, 0.001100), (1.062200, 0.631000, 0.000800), (1.002600, 0.503000, 0.000340),
+    (0.854450, 0.381000, 0.000190), (0.642400, 0.265000, 0.000050), (0.447900, 0.175000, 0.000020),
+    (0.283500, 0.107000, 0.0), (0.164900, 0.061000, 0.0), (0.087400, 0.032000, 0.0), (0.046770, 0.017000, 0.0),
+    (0.022700, 0.008210, 0.0), (0.011359, 0.004102, 0.0), (0.005790, 0.002091, 0.0), (0.002899, 0.001047, 0.0),
+    (0.001440, 0.000520, 0.0), (0.000690, 0.000249, 0.0), (0.000332, 0.000120, 0.0), (0.000166, 0.000060, 0.0),
+    (0.000083, 0.000030, 0.0), (0.000042, 0.000015, 0.0),
+])  # fmt: skip
+"""(N, 3) x, y, z of the CIE 1931 standard observer at these wavelengths."""
 REC709_FROM_XYZ = np.array([[3.2406, -1.5372, -0.4986], [-0.9689, 1.8758, 0.0415], [0.0557, -0.2040, 1.0570]])
 COOLEST, HOTTEST = 800.0, 12000.0
 """Between them Cycles' own fit is made; beyond them it stays the same."""
@@ -19,12 +30,6 @@ COOLEST, HOTTEST = 800.0, 12000.0
 
 def blackbody(kelvin: float) -> tuple[float, float, float]:
     """Linear Rec. 709 of a black body, of luminance 1; components below zero are zero."""
-    wavelength = np.arange(380.0, 781.0, 1.0)
-    exponent = SECOND_RADIATION_CONSTANT / (wavelength * min(max(kelvin, COOLEST), HOTTEST))
-    spectrum = wavelength**-5 / np.expm1(exponent)
-    xyz = [
-        sum(h * np.exp(-0.5 * ((wavelength - c) / np.where(wavelength < c, low, high)) ** 2) for h, c, low, high in one)
-        @ spectrum
-        for one in LOBES
-    ]
+    exponent = SECOND_RADIATION_CONSTANT / (WAVELENGTHS * min(max(kelvin, COOLEST), HOTTEST))
+    xyz = (WAVELENGTHS**-5 / np.expm1(exponent)) @ OBSERVER
     return tuple(float(c) for c in np.maximum(REC709_FROM_XYZ @ xyz / xyz[1], 0.0))
