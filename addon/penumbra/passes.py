@@ -71,6 +71,7 @@ def wanted_by(view_layer) -> list[Pass]:
 def note_missing(view_layer, notes) -> None:
     """Notes the passes that this view layer asks for in vain."""
     missing = [name for switch, name in NOT_THERE.items() if getattr(view_layer, switch, False)]
+    missing += [f"{aov.name!r} (a shader AOV)" for aov in view_layer.aovs]
     if missing:
         notes.add(f"view layer {view_layer.name!r}: there is no pass {', '.join(missing)}")
 

@@ -7,8 +7,8 @@ streaks are everywhere an edge, and there both engines draw their samples.
 
 import numpy as np
 import pytest
-from helpers import animate, diffuse_material
-from passes_scene import build, penumbra_passes
+from helpers import add_camera, add_light, add_plane, animate, diffuse_material
+from passes_scene import build, cycles_passes, penumbra_passes, switch_on
 from test_against_cycles_passes import coverage, cycles_filtered, total
 
 
@@ -69,3 +69,31 @@ def test_what_a_sample_sees_is_one_of_what_is_there(lively):
 def test_passes_add_up(lively):
     ours = penumbra_passes(lively)
     np.testing.assert_allclose(total(ours), ours["Combined"][..., :3], atol=2e-5)
+
+
+def test_data_of_strands_through_pixels_centres(scene):
+    """Indices as in Cycles, pixel by pixel; UV of the ground likewise. Strands know none of their roots: theirs are 0
+    (README)."""
+    switch_on(scene.view_layers[0], "UV", "Object Index", "Material Index")
+    lawn = add_plane(scene, "Lawn", size=2)
+    corners = np.array([0, 0, 1, 0, 1, 1, 0, 1], dtype=np.float32)
+    lawn.data.uv_layers.new(name="UVMap").data.foreach_set("uv", corners)
+    for number, name in enumerate(("Ground", "Fur"), 1):
+        lawn.data.materials.append(diffuse_material(name))
+        lawn.data.materials[-1].pass_index = 10 * number
+    lawn.pass_index = 3
+    lawn.modifiers.new("Fur", "PARTICLE_SYSTEM")
+    fur = lawn.particle_systems[0].settings
+    fur.type, fur.count, fur.hair_length, fur.material, fur.radius_scale = "HAIR", 60, 0.5, 2, 0.06
+    add_light(scene, "POINT", location=(0, 0, 3))
+    add_camera(scene, location=(0, -3, 2), rotation=(0.98, 0, 0))
+    scene.cycles_curves.shape = "RIBBONS"
+    ours, cycles = penumbra_passes(scene), cycles_passes(scene, 1)
+    for name in ("Object Index", "Material Index"):
+        assert (ours[name] != cycles[name]).mean() < 0.005, name
+    strands, ground = (
+        (ours["Material Index"][..., 0] == index) & (cycles["Material Index"][..., 0] == index) for index in (20, 10)
+    )
+    assert strands.sum() > 300 and ground.sum() > 300
+    assert (ours["UV"][strands] == 0).all() and cycles["UV"][strands].max() > 0.5
+    np.testing.assert_allclose(ours["UV"][ground], cycles["UV"][ground], atol=1e-5)

@@ -174,6 +174,23 @@ def test_unsupported_passes_are_named_in_a_note(two_layers):
     assert note == "view layer 'First': there is no pass Vector, Ambient Occlusion"
 
 
+def test_a_shader_aov_is_named_in_a_note(two_layers):
+    scene, first, _ = two_layers
+    first.aovs.add().name = "Wetness"
+    render_pixels(scene)
+    (note,) = [text for text in statistics.last_render["warnings"] if "there is no pass" in text]
+    assert note == "view layer 'First': there is no pass 'Wetness' (a shader AOV)"
+
+
+def test_a_shadow_catcher_is_rendered_as_it_is_with_a_note(two_layers):
+    scene, _, second = two_layers
+    scene.view_layers.remove(second)
+    plain = render_pixels(scene)["Combined"]
+    scene.objects["Floor"].is_shadow_catcher = True
+    assert np.array_equal(render_pixels(scene)["Combined"], plain)
+    assert "object 'Floor': shadow catcher not supported yet and ignored" in statistics.last_render["warnings"]
+
+
 def test_a_checkpoint_with_other_passes_is_refused_and_its_own_holds_them(two_layers, tmp_path):
     scene, first, second = two_layers
     scene.view_layers.remove(second)
