@@ -101,10 +101,7 @@ void look(Scene& scene, const Vec3d& eye, const Vec3d& target) {
   const Vec3d back = normalize(eye - target), right = normalize(cross(Vec3d{0, 0, 1}, back));
   scene.set_camera({CameraKind::kPerspective,
                     {right, cross(back, right), back, eye},
-                    -0.5,
-                    0.5,
-                    -0.375,
-                    0.375,
+                    {-0.5, 0.5, -0.375, 0.375},
                     0.01,
                     1000});
 }
