@@ -13,7 +13,8 @@ packages=(
 for argument in "$@"; do
   case "$argument" in
     --tests) packages+=(libgtest-dev qemu-user python3-pytest python3-hypothesis python3-openimageio
-                        python3-matplotlib xvfb xauth libgl1-mesa-dri) ;;
+                        python3-matplotlib xvfb xauth libgl1-mesa-dri
+                        assimp-testmodels) ;;  # .blend files of Blender 2.48 to 2.93
     --checks) packages+=(clang libclang-rt-dev ccache python3-venv) ;;
     --environments) packages+=(debootstrap) ;;
     --paper) packages+=(python3-matplotlib python3-markdown) ;;
