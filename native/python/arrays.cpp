@@ -96,9 +96,12 @@ std::vector<std::array<uint32_t, 3>> read_triangles(const py::array& array, cons
 }
 
 std::vector<Vec3f> read_corner_normals(const py::array& array, const std::string& name) {
-  check_shape(array, {kAny, 3, 3}, name, "corner_normals");
   check_kind(array, "f", "a floating point type", name, "corner_normals");
-  return read_vectors(array, size_t(array.shape(0)) * 3);
+  return read_vectors(array, size_t(array.size()) / 3);
+}
+
+bool are_normals_of_vertices(const py::array& array, size_t vertices) {
+  return array.ndim() == 2 && size_t(array.shape(0)) == vertices && array.shape(1) == 3;
 }
 
 std::vector<Vec3f> read_colors(const py::array& array, const std::string& name, const char* argument) {

@@ -32,6 +32,8 @@ std::vector<float> read_floats(const py::array& array, const std::string& name, 
 std::vector<uint32_t> read_counts(const py::array& array, const std::string& name);
 /// (T, 3, 3) floating point, one normal a corner.
 std::vector<Vec3f> read_corner_normals(const py::array& array, const std::string& name);
+/// (V, 3): one at each of so many vertices.
+bool are_normals_of_vertices(const py::array& array, size_t vertices);
 /// (height, width, 3) colours, row by row.
 std::vector<Vec3f> read_colors(const py::array& array, const std::string& name, const char* argument);
 /// (T, 3, 4) floating point, four values a corner.

@@ -29,7 +29,9 @@ Mesh read_mesh(const std::string& name, const py::array& positions, const py::ar
   mesh.positions = read_positions(positions, name);
   mesh.triangles = read_triangles(triangles, name);
   if (corner_normals) {
-    check_shape(*corner_normals, {triangles.shape(0), 3, 3}, name, "corner_normals");
+    mesh.normals_of_vertices = are_normals_of_vertices(*corner_normals, mesh.positions.size());
+    if (!mesh.normals_of_vertices)
+      check_shape(*corner_normals, {triangles.shape(0), 3, 3}, name, "corner_normals");
     mesh.corner_normals = read_corner_normals(*corner_normals, name);
   }
   if (material_slots) {
@@ -55,7 +57,13 @@ uint32_t add_mesh(PythonScene& self, const std::string& name, const py::array& p
     throw py::value_error(name + ": position_motion and normal_motion do not match");
   for (size_t i = 0; i < position_motion.size(); ++i) {
     MeshPose pose{read_positions(position_motion[i], name), {}};
-    if (!normal_motion.empty()) pose.corner_normals = read_corner_normals(normal_motion[i], name);
+    if (!normal_motion.empty()) {
+      if (!mesh.normals_of_vertices)
+        check_shape(normal_motion[i], {kAny, 3, 3}, name, "corner_normals");
+      else if (!are_normals_of_vertices(normal_motion[i], mesh.positions.size()))
+        check_shape(normal_motion[i], {positions.shape(0), 3}, name, "corner_normals");
+      pose.corner_normals = read_corner_normals(normal_motion[i], name);
+    }
     mesh.motion.push_back(std::move(pose));
   }
   return self.scene->add_mesh(std::move(mesh));
@@ -232,7 +240,7 @@ copied. Once a Render was made of the scene, meshes and instances are fixed; the
            R"(Adds triangles in object space and returns the mesh's number.
 
 positions: (V, 3) float32 or float64. triangles: (T, 3) integers, vertex indices. corner_normals: (T, 3, 3) float
-in object space, or None for flat shading. material_slots: (T,) integers, or None for slot 0. attributes: by number,
+in object space, or (V, 3) where all corners at a vertex share one, or None for flat shading. material_slots: (T,) integers, or None for slot 0. attributes: by number,
 (T, 3, 4) float at each corner: what programs read by that number. position_motion: positions at 2 to 129 evenly spaced
 times from the shutter's opening to its closing, linear in between; normal_motion: corner_normals at these times.)")
       .def("add_curves", &add_curves, py::arg("name"), py::arg("keys"), py::arg("radii"), py::arg("counts"),

@@ -75,7 +75,8 @@ void check_motion(const Mesh& mesh) {
 void check_mesh(const Mesh& mesh) {
   if (mesh.strands == StrandShape::kNone) check_triangles(mesh.name, mesh.positions, mesh.triangles);
   check_motion(mesh);  // strands were checked where they were made (strands.h)
-  if (!mesh.corner_normals.empty() && mesh.corner_normals.size() != 3 * mesh.triangles.size())
+  const size_t normals = mesh.normals_of_vertices ? mesh.positions.size() : 3 * mesh.triangles.size();
+  if (!mesh.corner_normals.empty() && mesh.corner_normals.size() != normals)
     refuse(mesh.name, "corner normals do not match the number of triangles");
   if (!mesh.material_slots.empty() && mesh.material_slots.size() != mesh.triangles.size())
     refuse(mesh.name, "material slots do not match the number of triangles");
@@ -92,6 +93,7 @@ uint64_t hash_of(const Mesh& mesh) {
   for (const MeshPose& pose : mesh.motion) h = hash_array(hash_array(h, pose.positions), pose.corner_normals);
   if (mesh.strands != StrandShape::kNone)
     h = hash_array(hash_array(hash_of(h, uint64_t(mesh.strands)), mesh.radii), mesh.segments);
+  if (mesh.normals_of_vertices) h = hash_of(h, 1);
   return hash_array(hash_array(h, mesh.corner_normals), mesh.material_slots);
 }
 

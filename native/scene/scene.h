@@ -38,7 +38,7 @@ struct Mesh {
   std::string name;
   std::vector<Vec3d> positions;
   std::vector<std::array<uint32_t, 3>> triangles;  // of strands empty
-  std::vector<Vec3f> corner_normals;               // three a triangle, or none: flat
+  std::vector<Vec3f> corner_normals;               // three a triangle, or one a vertex, or none: flat
   std::vector<uint32_t> material_slots;            // one a triangle, or none: slot 0
   std::vector<Attribute> attributes;
   std::shared_ptr<KeptMesh> kept = {};  // stands for all of the above but the name (see placed_mesh.h)
@@ -48,6 +48,7 @@ struct Mesh {
   std::vector<float> radii = {};        // of the positions, where they are strands
   std::vector<uint32_t> segments = {};  // first of four keys of each curve's; of spheres none
   size_t useless_strands = 0;           // that were left out
+  bool normals_of_vertices = false;     // corner_normals are: all corners at a vertex share its
 };
 
 /// Throws std::invalid_argument, with the mesh's name, if its arrays do not fit together.

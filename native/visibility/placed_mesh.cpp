@@ -90,6 +90,7 @@ size_t PlacedMesh::primitives() const {
 void PlacedMesh::take(Mesh& mesh) {
   triangles = std::move(mesh.triangles);
   corner_normals = std::move(mesh.corner_normals);
+  normals_of_vertices = mesh.normals_of_vertices;
   material_slots = std::move(mesh.material_slots);
   attributes = std::move(mesh.attributes);
   strands = mesh.strands;
@@ -205,6 +206,7 @@ std::shared_ptr<const PlacedMesh> KeptMesh::placed(bool may_be_transparent) {
       made->positions = other->positions;
       made->triangles = other->triangles;
       made->corner_normals = other->corner_normals;
+      made->normals_of_vertices = other->normals_of_vertices;
       made->material_slots = other->material_slots;
       made->attributes = other->attributes;
       made->position_motion = other->position_motion;

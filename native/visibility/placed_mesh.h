@@ -33,6 +33,7 @@ struct PlacedMesh {
   std::vector<uint32_t> segments;
   std::vector<std::array<uint32_t, 3>> triangles;
   std::vector<Vec3f> corner_normals;  // in render space and unit for a mesh used once, else the object's
+  bool normals_of_vertices = false;   // one a vertex, not three a triangle
   std::vector<uint32_t> material_slots;
   std::vector<Attribute> attributes;
   embree::SceneHandle scene;  // only where it is placed by instances of it
@@ -47,8 +48,9 @@ struct PlacedMesh {
   Vec3d position(uint32_t vertex, double time) const {
     return position_motion.empty() ? Vec3d(positions[vertex]) : moving(position_motion, vertex, time);
   }
-  Vec3d corner_normal(size_t corner, double time) const {
-    return normal_motion.empty() ? Vec3d(corner_normals[corner]) : moving(normal_motion, corner, time);
+  Vec3d corner_normal(uint32_t triangle, uint32_t corner, double time) const {
+    const size_t i = normals_of_vertices ? triangles[triangle][corner] : 3 * size_t(triangle) + corner;
+    return normal_motion.empty() ? Vec3d(corner_normals[i]) : moving(normal_motion, i, time);
   }
   /// Of a strand's segment at u in 0 ... 1, or of a sphere.
   StrandPlace strand_place(uint32_t primitive, double u, double time) const;

@@ -148,9 +148,9 @@ void Geometry::set_normal(HitColumns& c, uint32_t k) const {
   const PlacedMesh& mesh = *meshes_[instance.mesh];
   Vec3d interpolated;
   if (!mesh.corner_normals.empty()) {
-    const size_t n = 3 * size_t(hit.triangle);
-    interpolated = mesh.corner_normal(n, time) * (1 - c.u[k] - c.v[k]) +
-                   mesh.corner_normal(n + 1, time) * c.u[k] + mesh.corner_normal(n + 2, time) * c.v[k];
+    interpolated = mesh.corner_normal(hit.triangle, 0, time) * (1 - c.u[k] - c.v[k]) +
+                   mesh.corner_normal(hit.triangle, 1, time) * c.u[k] +
+                   mesh.corner_normal(hit.triangle, 2, time) * c.v[k];
   }
   if (instance.shared) {
     const Moved moved(instance, time);

@@ -101,7 +101,7 @@ UselessTriangles remove_useless_triangles(Mesh& mesh) {
   }
   if (found.count() == 0) return found;
   keep_unmarked(mesh.triangles, 1, useless);
-  keep_unmarked(mesh.corner_normals, 3, useless);
+  if (!mesh.normals_of_vertices) keep_unmarked(mesh.corner_normals, 3, useless);
   keep_unmarked(mesh.material_slots, 1, useless);
   for (Attribute& attribute : mesh.attributes) keep_unmarked(attribute.corners, 3, useless);
   return found;

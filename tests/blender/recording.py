@@ -28,11 +28,14 @@ class Recording:
 
         class Scene(self._module.Scene):
             def add_mesh(self, name, positions, triangles, corner_normals=None, material_slots=None, attributes=None):
+                given = corner_normals
+                if given is not None and given.ndim == 2:  # of vertices
+                    corner_normals = given[triangles]
                 recording.meshes.append(
                     SimpleNamespace(name=name, positions=positions, triangles=triangles, corner_normals=corner_normals,
                                     material_slots=material_slots, attributes=attributes or {})
                 )  # fmt: skip
-                return super().add_mesh(name, positions, triangles, corner_normals, material_slots, attributes or {})
+                return super().add_mesh(name, positions, triangles, given, material_slots, attributes or {})
 
             def add_material(self, name, diffuse, **lobes):
                 recording.materials.append(SimpleNamespace(name=name, diffuse=diffuse, **lobes))

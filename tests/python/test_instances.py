@@ -174,3 +174,36 @@ def test_mirror_depth():
     scene.set_camera("PERSPECTIVE", rotation([0, 1, 0], 135), (-1e-3, 1e-3, -1e-3, 1e-3), (0.01, 100))
     for depth, expected in ((4, 0), (5, 0.5**5), (9, 0.5**5)):
         assert render(scene, 1, mirror_depth=depth).red == pytest.approx(expected, abs=1e-7)
+
+
+@pytest.mark.parametrize("copies", [1, 2])
+@pytest.mark.parametrize("moves", [False, True])
+def test_normals_of_vertices_are_those_of_their_corners(copies, moves):
+    """Oracle: the same normals at each corner; a triangle without area among them, and a mesh of its own or shared."""
+    positions, triangles, corners = smooth_ball()
+    normals = np.zeros((len(positions), 3), np.float32)
+    normals[triangles] = corners
+    triangles = np.concatenate([[[0, 0, 1]], triangles]).astype(np.int32)
+    pictures = []
+    for given in (normals, normals[triangles], None):
+        scene = pn.Scene()
+        shapes = [positions, positions + [0.1, 0, 0]]
+        motion = {"position_motion": shapes} if moves else {}
+        if moves and given is not None:
+            motion["normal_motion"] = [given, given]
+        mesh = scene.add_mesh("ball", positions, triangles, given, **motion)
+        grey = scene.add_material("grey", (0.5,) * 3)
+        for i in range(copies):
+            scene.add_instance(f"ball {i}", mesh, translation(0.9 * i - 0.4, 0, 0.5), [grey])
+        scene.add_area_light("key", "RECTANGLE", light_above(), (1, 1), (3, 3, 3))
+        look_down(scene)
+        pictures.append(render(scene, 24, stop_rule="FIXED", pixel_samples=4))
+    for name, values in pictures[0].passes.items():
+        assert np.array_equal(values, pictures[1].passes[name]), name
+    assert not np.array_equal(pictures[0].passes["Normal"], pictures[2].passes["Normal"])  # which is flat
+
+
+def test_normals_of_vertices_must_be_as_many():
+    positions, triangles, _ = smooth_ball()
+    with pytest.raises(ValueError, match="corner_normals has shape"):
+        pn.Scene().add_mesh("ball", positions, triangles, np.zeros((len(positions) - 1, 3), np.float32))

@@ -22,7 +22,7 @@ class MeshArrays(NamedTuple):
     triangles: np.ndarray
     """(T, 3) int32, indices of vertices"""
     corner_normals: np.ndarray | None
-    """(T, 3, 3) float32, one at each corner of each triangle; None: flat"""
+    """(T, 3, 3) float32, one at each corner of each triangle, or (V, 3) where corners at a vertex share it; None: flat"""
     material_slots: np.ndarray
     """(T,) int32"""
 
@@ -40,7 +40,7 @@ def read_mesh(mesh) -> MeshArrays:
     corner_normals = None
     if len(triangles) and (found := compat.normals(mesh)):
         domain, normals = found
-        corner_normals = gather(normals, triangles if domain == "POINT" else corners)
+        corner_normals = normals.copy() if domain == "POINT" else gather(normals, corners)
     return MeshArrays(positions, triangles, corner_normals, material_slots)
 
 
