@@ -43,20 +43,31 @@ class BitTable {
   uint64_t mask_;
 };
 
-/// Which triangles are copies. Only those whose bit another one has too are looked at closely.
-std::vector<size_t> find_copies(const Mesh& mesh, const std::vector<uint64_t>& hashes) {
-  const size_t n = hashes.size();
+/// Numbers of hashes (all, or some of them) whose bit in a table others have, too. turn: chooses their bits.
+std::vector<size_t> sharing_a_bit(const std::vector<uint64_t>& hashes, const std::vector<size_t>* some,
+                                  int turn) {
+  const size_t n = some ? some->size() : hashes.size();
+  const auto number = [&](size_t k) { return some ? (*some)[k] : k; };
   BitTable seen(n), seen_twice(n);
   bool any = false;
-  for (uint64_t hash : hashes) {
+  for (size_t k = 0; k < n; ++k) {
+    const uint64_t hash = std::rotl(hashes[number(k)], turn);
     if (seen.test(hash)) seen_twice.set(hash), any = true;
     seen.set(hash);
   }
+  std::vector<size_t> found;
+  for (size_t k = 0; any && k < n; ++k)
+    if (seen_twice.test(std::rotl(hashes[number(k)], turn))) found.push_back(number(k));
+  return found;
+}
+
+/// Which triangles are copies. Only those that share two bits with others are looked at closely.
+std::vector<size_t> find_copies(const Mesh& mesh, const std::vector<uint64_t>& hashes) {
+  const std::vector<size_t> one_bit = sharing_a_bit(hashes, nullptr, 0);
+  const std::vector<size_t> suspects = sharing_a_bit(hashes, &one_bit, 32);
   std::vector<size_t> copies;
-  if (!any) return copies;
   std::unordered_multimap<uint64_t, size_t> first_of;
-  for (size_t i = 0; i < n; ++i) {
-    if (!seen_twice.test(hashes[i])) continue;
+  for (const size_t i : suspects) {
     const auto [begin, end] = first_of.equal_range(hashes[i]);
     const Corners own = corners_of(mesh, i);
     if (std::any_of(begin, end, [&](const auto& e) { return same_corners(corners_of(mesh, e.second), own); }))

@@ -215,6 +215,11 @@ def fastest(rows, name, renderer, error, key):
     return seconds, seconds + own[0]["beside"], mark
 
 
+def told(value):
+    """Two digits."""
+    return f"{float(f'{value:.2g}'):g}"
+
+
 def table(rows):
     """Markdown: seconds and factors at each error; the goals, where there are some, in brackets."""
     peers = [r for r in ("Cycles", "Mitsuba") if any(row["renderer"] == r for row in rows)]
@@ -225,13 +230,13 @@ def table(rows):
         for key, label in ERRORS.items():
             for target in TARGETS:
                 ours, process, own_mark = fastest(rows, name, "Penumbra", target, key)
-                cells, processes = [f"{own_mark}{ours:.2g} s"], [f"{own_mark}{process:.2g} s"]
+                cells, processes = [f"{own_mark}{told(ours)} s"], [f"{own_mark}{told(process)} s"]
                 for k, peer in enumerate(peers):
                     seconds, whole, mark = fastest(rows, name, peer, target, key)
                     goal = f" ({GOALS[name][k]})" if (key, target) == ("relative_rmse", 0.002) and name in GOALS else ""
                     guess = "~" if "~" in mark + own_mark else ""
-                    cells += [f"{mark}{seconds:.2g} s", f"{guess}{seconds / ours:.2g}x{goal}"]
-                    processes.append(f"{mark}{whole:.2g} s")
+                    cells += [f"{mark}{told(seconds)} s", f"{guess}{told(seconds / ours)}x{goal}"]
+                    processes.append(f"{mark}{told(whole)} s")
                 lines.append(f"| {name} | {label} {target:.1%} | {' | '.join(cells + processes)} |")
     return lines
 

@@ -1,28 +1,65 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# All benchmarks, into tests/benchmarks/output/ (tables, CSV, a plot). Half an hour; not part of the tests.
+# Benchmarks, into tests/benchmarks/output/ (tables, CSV, plots). Not part of the tests.
+#   ray_rate        whole renders against a raw Embree loop
+#   against_cycles  speed against error on the example scene
+#   export          from Blender's arrays to the native scene, and the picture back
+#   antialiased     antialiased pictures at equal error, scene by scene
+#   scale           triangles, pixels, threads, memory, building
+#   many            1 to 10,000 luminaires
+#   peers           equal error against Cycles and Mitsuba 3 (an hour; Mitsuba comes from PyPI, into the cache)
+#   bash tests/benchmarks/run.sh [NAME ...]      all but peers if left out: about an hour
 set -euo pipefail
 
-repository=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
-cd "$repository"
+cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 output=tests/benchmarks/output
 mkdir -p "$output"
+script=(blender -b --factory-startup --python-exit-code 1 -P)
+
+ray_rate() { build/benchmark/ray_rate 320 5 --csv | tee "$output/ray_rate.csv"; }
+
+against_cycles() {
+  "${script[@]}" examples/make_four_objects.py >/dev/null
+  blender -b examples/four_objects.blend --python-exit-code 1 -P tests/benchmarks/against_cycles.py -- "$output" 50 |
+    grep -E "Penumbra|Cycles"
+}
+
+export_and_back() { "${script[@]}" tests/benchmarks/export.py -- "$output" | grep "^export"; }
+
+antialiased() { "${script[@]}" tests/benchmarks/antialiased.py -- "$output" | grep -E "P99|99th"; }
+
+scale() { build/benchmark/scale --csv | tee "$output/scale.csv"; }
+
+many() { /usr/bin/python3 tests/benchmarks/many_luminaires.py "$output"; }
+
+peers() {
+  local mitsuba=${XDG_CACHE_HOME:-$HOME/.cache}/penumbra/mitsuba
+  bash examples/install.sh --checks
+  if ! "$mitsuba/bin/python" -c "import mitsuba" 2>/dev/null; then
+    /usr/bin/python3 -m venv "$mitsuba"
+    "$mitsuba/bin/pip" install --quiet mitsuba
+  fi
+  "${script[@]}" tests/benchmarks/peers.py -- "$output" 100 "$mitsuba/bin/python" | grep -vE "^(Fra:|Saved:| Time:|$)"
+}
+
+names=("$@")
+[[ $# -gt 0 ]] || names=(ray_rate against_cycles export antialiased scale many)
+for name in "${names[@]}"; do
+  case "$name" in
+    ray_rate | against_cycles | export | antialiased | scale | many | peers) ;;
+    *)
+      echo "run.sh: unknown benchmark '$name' (see its head)" >&2
+      exit 2
+      ;;
+  esac
+done
 
 bash examples/install.sh --tests --paper
 cmake --preset release >/dev/null && cmake --build --preset release
 cmake --preset benchmark >/dev/null && cmake --build --preset benchmark
-
-echo "== shadow rays: whole render against a raw Embree loop, one thread"
-build/benchmark/ray_rate 320 5 --csv | tee "$output/ray_rate.csv"
-
-echo "== speed against error: Penumbra and Cycles, one thread, 320 x 240"
-blender -b --factory-startup --python-exit-code 1 -P examples/make_four_objects.py >/dev/null
-blender -b examples/four_objects.blend --python-exit-code 1 -P tests/benchmarks/against_cycles.py -- "$output" 50 |
-  grep -E "Penumbra|Cycles"
-
-echo "== export: from Blender's arrays to the native scene, and the picture back"
-blender -b --factory-startup --python-exit-code 1 -P tests/benchmarks/export.py -- "$output" | grep "^export"
-
-echo "== antialiased pictures at equal error: Penumbra and Cycles, one thread, 320 x 240"
-blender -b --factory-startup --python-exit-code 1 -P tests/benchmarks/antialiased.py -- "$output" | grep -E "P99|99th"
+for name in "${names[@]}"; do
+  echo "== $name"
+  [[ $name != export ]] || name=export_and_back
+  "$name"
+done
 echo "Results are in $output/"

@@ -22,7 +22,7 @@ class MeshArrays(NamedTuple):
     triangles: np.ndarray
     """(T, 3) int32, indices of vertices"""
     corner_normals: np.ndarray | None
-    """(T, 3, 3) float32, one at each corner of each triangle, or (V, 3) where corners at a vertex share it; None: flat"""
+    """(T, 3, 3) float32, one at each corner of each triangle; (V, 3) where those at a vertex share one; None: flat"""
     material_slots: np.ndarray
     """(T,) int32"""
 
