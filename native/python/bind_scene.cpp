@@ -3,6 +3,7 @@
 #include <pybind11/stl.h>
 
 #include <chrono>
+#include <optional>
 #include <stdexcept>
 
 #include "python/arrays.h"
@@ -227,9 +228,9 @@ copied. Once a Render was made of the scene, meshes and instances are fixed; the
   bind_material(module, scene);
   bind_luminaires(module, scene);
   scene
-      .def(py::init([](std::shared_ptr<TextureStore> textures) {
+      .def(py::init([](const std::optional<std::shared_ptr<TextureStore>>& textures) {
              PythonScene made;
-             made.texture_store = std::move(textures);
+             made.texture_store = textures.value_or(nullptr);
              return made;
            }),
            py::arg("textures") = py::none())
