@@ -7,6 +7,7 @@ import time
 import bpy
 import pytest
 from helpers import (
+    HANGS_SECONDS,
     REPOSITORY,
     add_area_light,
     add_camera,
@@ -41,7 +42,7 @@ def test_kill_and_go_on(blend_file, tmp_path):
     options = ["--multilayer", "--checkpoint", checkpoint, "--output"]
     command = [blender_program(), "-b", "--factory-startup", blend_file, "-P", SCRIPT, "--", *options, "k.exr"]
     process = subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    deadline = time.monotonic() + 60
+    deadline = time.monotonic() + HANGS_SECONDS
     while not list(checkpoint.glob("*/*/bucket_*.bin")) and time.monotonic() < deadline:
         time.sleep(0.01)
     process.kill()

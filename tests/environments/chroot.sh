@@ -80,7 +80,13 @@ ensure_chroot() {
       exit 0
     }
     echo "== $1: making the environment in $root"
-    make_chroot "$2" "$root" && echo "$recipe" >"$root/.penumbra"
+    if make_chroot "$2" "$root"; then
+      echo "$recipe" >"$root/.penumbra"
+    elif [[ -n $wait ]]; then
+      echo "== $1: no other could be made, so the one that is there is taken"
+    else
+      exit 1
+    fi
   ) 9>"$root.lock"
 }
 
