@@ -214,7 +214,7 @@ def test_emission_is_seen_through_a_mirror(scene):
     np.testing.assert_allclose(picture[17, 24], np.multiply(ORANGE, (1.0, 0.5, 2.0)), rtol=1e-6)
 
 
-@pytest.mark.parametrize("pixel_samples", [1, 16])
+@pytest.mark.parametrize("pixel_samples", [1, pytest.param(16, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("name", ["textured", "half", "cut out"])
 def test_bounded_keeps_its_promise(scene, name, pixel_samples):
     """Against 4096 points in each pixel, or 1024 rays; at most 1.5 % of so few pixels beyond the tolerance.

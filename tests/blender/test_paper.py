@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 from helpers import REPOSITORY
 
+pytestmark = pytest.mark.slow  # numbers of the paper, the same in any Blender
+
 MODULES = ("engine", "methods", "metrics", "references", "scenes", "sizes", "tables", "measure.bound",
            "measure.matched_rays", "measure.picture_error", "measure.points", "measure.stride")  # fmt: skip
 

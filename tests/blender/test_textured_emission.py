@@ -155,7 +155,7 @@ def test_only_emitting_slots_and_no_useless_emission(scene):
     assert statistics.last_render["luminaires"] == 1
 
 
-@pytest.mark.parametrize("pixel_samples", [1, 16])
+@pytest.mark.parametrize("pixel_samples", [1, pytest.param(16, marks=pytest.mark.slow)])
 def test_bounded_keeps_its_promise(scene, pixel_samples):
     """Against 4096 points in each pixel, or 1024 rays; at most 1.5 % of so few pixels beyond the tolerance."""
     show_screen(scene, SCREENS["image"], 0.2)
