@@ -135,6 +135,18 @@ def test_same_picture_for_any_threads_and_borders(primaries):
         assert np.array_equal(values, np.concatenate([left.passes[name], right.passes[name]], axis=1)), name
 
 
+@pytest.mark.parametrize("primaries", [1, 16])
+def test_borders_do_not_show_where_pixels_share_light(primaries):
+    """Pixels close enough, and groups large enough, that cubes of space hold the light of groups for many pixels."""
+    settings = {"stop_rule": "BOUNDED", "error_tolerance": 0.05, "pixel_samples": primaries}
+    scene, size = hall(5000, half=20.0), (768, 576)
+    whole = render(scene, *size, region=(330, 266, 24, 16), threads=2, **settings)
+    left = render(scene, *size, region=(330, 266, 7, 16), threads=1, **settings)
+    right = render(scene, *size, region=(337, 266, 17, 16), threads=1, **settings)
+    for name, values in whole.passes.items():
+        assert np.array_equal(values, np.concatenate([left.passes[name], right.passes[name]], axis=1)), name
+
+
 def test_memory_does_not_grow_with_luminaires():
     """The most that this process ever took: 10,000 luminaires may add 200 MB to what 100 need (items of a block, had
     each its own, would be more than 10 GB)."""
