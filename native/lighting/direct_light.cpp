@@ -49,20 +49,27 @@ DirectLight::Estimate DirectLight::from(const Luminaire& luminaire, const Shadin
     ++tally.decided_without_ray;
     return {};
   }
-  const Vec3d diffuse = luminaire.radiance() * diffuse_colour(point, luminaire).of_weight(),
-              glossy = luminaire.radiance() * glossy_colour(point, luminaire);
+  // A grid tells the rule of the colour of glossy lobes, but sharp ones may lie between its points: what is
+  // drawn tells the picture.
+  const bool has_lobes = point.material.has_glossy_lobes && luminaire.role().glossy,
+             is_fixed = stop_.kind == StopRuleKind::kFixed;
+  const Vec3d diffuse = luminaire.radiance() * diffuse_colour(point, luminaire).of_weight();
+  Vec3d glossy;
+  if (!has_lobes || !is_fixed) glossy = luminaire.radiance() * glossy_colour(point, luminaire);
 
   const ShadowRays rays(geometry_, point.surface, luminaire.shadow_kind());
   StopRule rule(stop_, diffuse, glossy);
   Moments moments;
   double all_diffuse = 0, all_glossy = 0;  // sums without shadows, if parts are wanted
+  Vec3d seen_colours, all_colours;         // of the lobes, likewise
+  Vec3f colours[kBatch], unshadowed_colours[kBatch];
   alignas(64) float u[kBatch], v[kBatch], specular[kBatch], unshadowed[kBatch], unshadowed_specular[kBatch];
   alignas(64) int ray_of[kBatch];
   LightPoints points;
   float* f = points.form_factor;
   const float *x = points.x, *y = points.y, *z = points.z;
   // The growing rules decide after few points: a packet at a time wastes least.
-  const uint32_t step = stop_.kind == StopRuleKind::kFixed ? kBatch : kPacket;
+  const uint32_t step = is_fixed ? kBatch : kPacket;
   const uint32_t limit = luminaire.is_point() ? 1 : stop_.limit();
   uint64_t traced = 0;
   bool done = false;
@@ -77,12 +84,13 @@ DirectLight::Estimate DirectLight::from(const Luminaire& luminaire, const Shadin
     std::fill(ray_of, ray_of + generated, 0);
     if (parts) {
       std::copy(f, f + used, unshadowed);
-      if (point.has_glossy) evaluate_glossy(point, x, y, z, unshadowed, used, unshadowed_specular);
+      if (point.has_glossy)
+        evaluate_glossy(point, x, y, z, unshadowed, used, unshadowed_specular, unshadowed_colours);
       weigh_diffuse(point, x, y, z, used, unshadowed);
     }
     for (uint32_t k = 0; luminaire.casts_shadow() && k < used; k += kPacket)
       traced += rays.hide(x + k, y + k, z + k, f + k, ray_of + k);
-    if (point.has_glossy) evaluate_glossy(point, x, y, z, f, used, specular);
+    if (point.has_glossy) evaluate_glossy(point, x, y, z, f, used, specular, colours);
     weigh_diffuse(point, x, y, z, used, f);
     // The rule sees the points as if they came one by one.
     uint32_t added = 0;
@@ -99,14 +107,23 @@ DirectLight::Estimate DirectLight::from(const Luminaire& luminaire, const Shadin
       all_diffuse += double(unshadowed[i]);
       if (point.has_glossy) all_glossy += double(unshadowed_specular[i]);
     }
+    for (uint32_t i = 0; has_lobes && i < added; ++i) {
+      seen_colours += Vec3d(colours[i]);
+      if (parts) all_colours += Vec3d(unshadowed_colours[i]);
+    }
     for (uint32_t i = added; i < used; ++i) tally.shadow_rays_beyond_stop += uint64_t(-ray_of[i]);
   }
   tally.light_points += uint64_t(moments.count);
   tally.shadow_rays += traced;
   if (traced == 0) ++tally.decided_without_ray;
+  Vec3d unshadowed_glossy = glossy * all_glossy;
+  if (has_lobes) {
+    glossy = moments.p > 0 ? luminaire.radiance() * seen_colours / moments.p : Vec3d{};
+    unshadowed_glossy = luminaire.radiance() * all_colours;
+  }
   if (parts && moments.count > 0)
     *parts = {{moments.mean(diffuse, {}), diffuse * (all_diffuse / moments.count)},
-              {moments.mean({}, glossy), glossy * (all_glossy / moments.count)}};
+              {moments.mean({}, glossy), unshadowed_glossy / moments.count}};
   return {moments.mean(diffuse, glossy), moments.variance_of_mean(diffuse, glossy), uint64_t(moments.count),
           !done && !luminaire.is_point()};
 }

@@ -42,12 +42,13 @@ Vec3f glossy(const ShadingPoint& point, const Vec3f& to_light) {
 }  // namespace
 
 void evaluate_glossy(const ShadingPoint& point, const float* x, const float* y, const float* z,
-                     const float* form_factor, uint32_t count, float* out) {
+                     const float* form_factor, uint32_t count, float* out, Vec3f* colours) {
   if (!point.material.has_glossy_lobes) return evaluate_phong(point, x, y, z, form_factor, count, out);
-  for (uint32_t i = 0; i < count; ++i)
-    out[i] = form_factor[i] > 0
-                 ? form_factor[i] * max_component(glossy(point, normalize(Vec3f(x[i], y[i], z[i]))))
-                 : 0.0f;
+  for (uint32_t i = 0; i < count; ++i) {
+    const Vec3f colour = form_factor[i] > 0 ? glossy(point, normalize(Vec3f(x[i], y[i], z[i]))) : Vec3f{};
+    out[i] = form_factor[i] > 0 ? form_factor[i] * max_component(colour) : 0.0f;
+    if (colours) colours[i] = colour * form_factor[i];
+  }
 }
 
 void weigh_diffuse(const ShadingPoint& point, const float* x, const float* y, const float* z, uint32_t count,

@@ -32,9 +32,9 @@ struct ShadingPoint {
 /// The glossy lobes as one weight a light point: out[i] = form_factor[i] x pi x (BRDF / albedo) of the Phong
 /// lobe if it is the only one, else the largest of r, g, b of form_factor[i] x pi x BRDF, for light from
 /// direction (x, y, z)[i] of any length. form_factor carries the cosines and the rest of eq. (4); where it is
-/// 0 the result is.
+/// 0 the result is. colours: gets that r, g, b, if there are other lobes than Phong's.
 void evaluate_glossy(const ShadingPoint& point, const float* x, const float* y, const float* z,
-                     const float* form_factor, uint32_t count, float* out);
+                     const float* form_factor, uint32_t count, float* out, Vec3f* colours = nullptr);
 
 /// Multiplies each form factor by the largest of r, g, b of pi x BRDF of all diffuse lobes; leaves it as it
 /// is if there is Lambert's alone.
