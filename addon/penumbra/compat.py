@@ -56,6 +56,10 @@ SHORT_PASS_NAMES = {
     "Object Index": "IndexOB", "Material Index": "IndexMA",
 }  # fmt: skip
 
+UNFED_GROUP_INPUTS_COUNT = bpy.app.version >= (5, 0, 0)
+"""What a group's input feeds that nothing feeds has that input's own value (seen in 5.2); before that it counts as
+unlinked (seen in 3.4 and 4.3)."""
+
 PREMULTIPLIED_IS_DIVIDED = bpy.app.version >= (5, 0, 0)
 """An image of 8 bits whose alpha is said to be premultiplied is divided by it (seen in 5.2); before that it is read as
 one with straight alpha."""

@@ -8,6 +8,7 @@ the output asked for. What has none makes an issue, and the socket that wanted i
 from collections.abc import Callable
 from typing import NamedTuple
 
+from ... import compat
 from .program import Program
 
 NODES: dict[str, Callable] = {}
@@ -78,11 +79,13 @@ def upstream_of(source, socket, groups: tuple):
 
 
 def is_fed(socket, groups: tuple) -> bool:
-    """Whether a node stands behind an input socket. As in Cycles, a link from a group's input that nothing feeds is
-    none: a Normal is then the surface's, and a Vector the node's usual coordinates."""
+    """Whether a node stands behind an input socket. As in Cycles before Blender 5, a link from a group's input that
+    nothing feeds is none: a Normal is then the surface's, and a Vector the node's usual coordinates."""
     link = live_link(socket)
     if link is None:
         return False
+    if compat.UNFED_GROUP_INPUTS_COUNT:
+        return True
     try:
         upstream = upstream_of(link.from_node, link.from_socket, groups)
     except UnsupportedNode:  # muted with nothing behind it, or a group without this output
