@@ -9,6 +9,7 @@
 #include "luminaire/flat_emitter.h"
 #include "python/arrays.h"
 #include "python/bindings.h"
+#include "python/name.h"
 
 namespace penumbra::python {
 namespace {
@@ -26,7 +27,7 @@ LuminaireShape shape_from_name(const std::string& shape, const std::string& name
   throw py::value_error(name + ": shape is '" + shape + "', expected RECTANGLE or ELLIPSE");
 }
 
-void add_area_light(PythonScene& self, const std::string& name, const std::string& shape,
+void add_area_light(PythonScene& self, const Name& name, const std::string& shape,
                     const py::array& world_from_light, const Pair& size, const Color& radiance,
                     bool cast_shadow, double spread, const LuminaireRole& role) {
   self.scene->add_luminaire(AreaLuminaire{name, shape_from_name(shape, name),
@@ -40,8 +41,8 @@ RoundShape round_shape_from_name(const std::string& shape, const std::string& na
   throw py::value_error(name + ": shape is '" + shape + "', expected SPHERE or FACING_DISK");
 }
 
-void add_point_light(PythonScene& self, const std::string& name, const py::array& world_from_light,
-                     double radius, const Color& intensity, bool cast_shadow, const std::string& shape,
+void add_point_light(PythonScene& self, const Name& name, const py::array& world_from_light, double radius,
+                     const Color& intensity, bool cast_shadow, const std::string& shape,
                      const std::optional<Pair>& spot, bool cosine_falloff, const LuminaireRole& role) {
   PointLuminaire light{name,
                        round_shape_from_name(shape, name),
@@ -156,8 +157,8 @@ looks at it. spot: (full angle in radians, blend 0 ... 1) of a cone around local
 cosine_falloff multiplies it with the cosine to the axis.)")
       .def(
           "add_sun",
-          [](PythonScene& self, const std::string& name, const Color& to_sun, double angle,
-             const Color& irradiance, bool cast_shadow, const LuminaireRole& role) {
+          [](PythonScene& self, const Name& name, const Color& to_sun, double angle, const Color& irradiance,
+             bool cast_shadow, const LuminaireRole& role) {
             self.scene->add_luminaire(
                 SunLuminaire{name, vec(to_sun), angle / 2, vec(irradiance), cast_shadow, role});
           },
@@ -169,9 +170,9 @@ to_sun: direction (x, y, z). angle: diameter in radians, 0 ... pi; 0 is one dire
 surface that faces it.)")
       .def(
           "add_mesh_light",
-          [](PythonScene& self, const std::string& name, const py::array& positions,
-             const py::array& triangles, const py::array& world_from_object, const Color& radiance,
-             bool cast_shadow, const LuminaireRole& role) {
+          [](PythonScene& self, const Name& name, const py::array& positions, const py::array& triangles,
+             const py::array& world_from_object, const Color& radiance, bool cast_shadow,
+             const LuminaireRole& role) {
             MeshLuminaire light{name,
                                 read_positions(positions, name),
                                 read_triangles(triangles, name),
@@ -189,7 +190,7 @@ surface that faces it.)")
 Arguments as of add_mesh and add_instance. radiance: (r, g, b), W/(sr m^2).)")
       .def(
           "add_textured_mesh_light",
-          [](PythonScene& self, const std::string& name, uint32_t instance, const LuminaireRole& role) {
+          [](PythonScene& self, const Name& name, uint32_t instance, const LuminaireRole& role) {
             self.scene->add_luminaire(TexturedLuminaire{name, instance, role});
           },
           py::arg("name"), py::arg("instance"), py::arg("role") = LuminaireRole{},

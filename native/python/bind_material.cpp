@@ -5,6 +5,7 @@
 #include "material/evaluate.h"
 #include "python/arrays.h"
 #include "python/bindings.h"
+#include "python/name.h"
 
 namespace penumbra::python {
 namespace {
@@ -95,7 +96,7 @@ Program read_program(const std::string& name, const FloatArray& registers,
 using MaybeColor = std::optional<std::array<double, 3>>;
 
 /// What a program emits; none where that varies.
-MaybeColor emission_of_program(const std::string& name, const FloatArray& registers,
+MaybeColor emission_of_program(const Name& name, const FloatArray& registers,
                                const std::vector<PythonOperation>& operations, const FloatArray& tables,
                                const std::vector<PythonClosure>& closures, int normal) {
   const Program emission =
@@ -105,7 +106,7 @@ MaybeColor emission_of_program(const std::string& name, const FloatArray& regist
   return std::array<double, 3>{e.x, e.y, e.z};
 }
 
-uint32_t add_program(PythonScene& self, const std::string& name, const FloatArray& registers,
+uint32_t add_program(PythonScene& self, const Name& name, const FloatArray& registers,
                      const std::vector<PythonOperation>& operations, const FloatArray& tables,
                      const std::vector<PythonClosure>& closures, int normal, bool grey_transparency,
                      bool facet_bumps) {
@@ -137,7 +138,7 @@ T choice(const std::string& value, const std::string& name, const std::map<std::
   return found->second;
 }
 
-uint32_t add_image(PythonScene& self, const std::string& name,
+uint32_t add_image(PythonScene& self, const Name& name,
                    const std::vector<std::tuple<uint32_t, std::string, std::optional<py::bytes>>>& files,
                    bool tiled, const std::string& wrap, const std::string& interpolation, bool srgb,
                    const std::string& alpha) {

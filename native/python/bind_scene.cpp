@@ -8,6 +8,7 @@
 
 #include "python/arrays.h"
 #include "python/bindings.h"
+#include "python/name.h"
 #include "scene/strands.h"
 #include "visibility/placed_mesh.h"
 
@@ -49,8 +50,8 @@ Mesh read_mesh(const std::string& name, const py::array& positions, const py::ar
 using Attributes = std::map<uint32_t, py::array>;
 using Arrays = std::vector<py::array>;
 
-uint32_t add_mesh(PythonScene& self, const std::string& name, const py::array& positions,
-                  const py::array& triangles, const std::optional<py::array>& corner_normals,
+uint32_t add_mesh(PythonScene& self, const Name& name, const py::array& positions, const py::array& triangles,
+                  const std::optional<py::array>& corner_normals,
                   const std::optional<py::array>& material_slots, const Attributes& attributes,
                   const Arrays& position_motion, const Arrays& normal_motion) {
   Mesh mesh = read_mesh(name, positions, triangles, corner_normals, material_slots, attributes);
@@ -87,7 +88,7 @@ StrandShape shape_from_name(const std::string& name, const std::string& shape) {
   throw py::value_error(name + ": shape is '" + shape + "', expected RIBBON or TUBE");
 }
 
-uint32_t add_curves(PythonScene& self, const std::string& name, const py::array& keys, const py::array& radii,
+uint32_t add_curves(PythonScene& self, const Name& name, const py::array& keys, const py::array& radii,
                     const py::array& counts, const std::string& shape, const Arrays& motion) {
   Mesh mesh = read_strands(name, keys, radii, motion);
   mesh.strands = shape_from_name(name, shape);
@@ -95,8 +96,8 @@ uint32_t add_curves(PythonScene& self, const std::string& name, const py::array&
   return self.scene->add_mesh(std::move(mesh));
 }
 
-uint32_t add_points(PythonScene& self, const std::string& name, const py::array& positions,
-                    const py::array& radii, const Arrays& motion) {
+uint32_t add_points(PythonScene& self, const Name& name, const py::array& positions, const py::array& radii,
+                    const Arrays& motion) {
   Mesh mesh = read_strands(name, positions, radii, motion);
   mesh.strands = StrandShape::kSphere;
   make_points(mesh);
@@ -109,16 +110,16 @@ std::vector<Affine> read_poses(const Arrays& poses, const std::string& name) {
   return result;
 }
 
-uint32_t add_instance(PythonScene& self, const std::string& name, uint32_t mesh,
-                      const py::array& world_from_object, const std::vector<uint32_t>& materials,
-                      RayMask rays, uint32_t receiver_set, const Arrays& motion) {
+uint32_t add_instance(PythonScene& self, const Name& name, uint32_t mesh, const py::array& world_from_object,
+                      const std::vector<uint32_t>& materials, RayMask rays, uint32_t receiver_set,
+                      const Arrays& motion) {
   Instance instance{name,      mesh, read_transform(world_from_object, name, "world_from_object"),
                     materials, rays, receiver_set};
   instance.motion = read_poses(motion, name);
   return self.scene->add_instance(std::move(instance));
 }
 
-std::shared_ptr<KeptMesh> keep(MeshStore& self, const std::string& name, const py::array& positions,
+std::shared_ptr<KeptMesh> keep(MeshStore& self, const Name& name, const py::array& positions,
                                const py::array& triangles, const std::optional<py::array>& corner_normals,
                                const std::optional<py::array>& material_slots, const Attributes& attributes) {
   Mesh mesh = read_mesh(name, positions, triangles, corner_normals, material_slots, attributes);
@@ -183,7 +184,7 @@ void bind_passes(py::class_<PythonScene>& scene) {
   scene
       .def(
           "add_light_group",
-          [](PythonScene& self, const std::string& name) { return self.scene->add_light_group(name); },
+          [](PythonScene& self, const Name& name) { return self.scene->add_light_group(name); },
           py::arg("name"), "Adds a group of lights, which the pass Combined_NAME shows; returns its number.")
       .def("set_traits", &set_traits, py::arg("pass_index") = 0.0f, py::arg("object_matte") = 0.0f,
            py::arg("asset_matte") = 0.0f, py::arg("light_group") = py::none(), py::arg("holdout") = false,
@@ -258,14 +259,14 @@ add_mesh.)")
            "add_mesh.")
       .def(
           "add_kept_mesh",
-          [](PythonScene& self, const std::string& name, const std::shared_ptr<KeptMesh>& mesh) {
+          [](PythonScene& self, const Name& name, const std::shared_ptr<KeptMesh>& mesh) {
             return self.scene->add_kept_mesh(mesh, name, mesh->hash());
           },
           py::arg("name"), py::arg("mesh").none(false), "Adds a mesh that is kept and returns its number.")
       .def(
           "add_material",
-          [](PythonScene& self, const std::string& name, const Color& diffuse, const Color& phong,
-             double exponent, const Color& mirror) {
+          [](PythonScene& self, const Name& name, const Color& diffuse, const Color& phong, double exponent,
+             const Color& mirror) {
             Material material;
             material.name = name;
             material.diffuse = vec(diffuse);

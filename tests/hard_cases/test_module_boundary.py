@@ -36,6 +36,17 @@ def test_mesh_arrays(arguments, message):
     assert str(refusal.value) == "Stuhl: " + message
 
 
+@pytest.mark.parametrize(
+    ("method", "arguments"),
+    [("add_mesh", (P, T)), ("add_points", (P, np.ones(3, np.float32))), ("add_material", ((0.5,) * 3,))],
+)
+@pytest.mark.parametrize("name", ["\0", "Stuhl\0", b"\0"])
+def test_names_with_a_zero_character(method, arguments, name):
+    """A message that begins with such a name would end there, empty."""
+    with pytest.raises(ValueError, match="name: a zero character"):
+        getattr(pn.Scene(), method)(name, *arguments)
+
+
 def program(operations, tables=(), closures=(("diffuse", 2, 0, 0, 0),), registers=4):
     """A program that varies: its first operation reads the position."""
     scene = pn.Scene()
