@@ -22,7 +22,13 @@ from helpers import diffuse_material
 from material_scenes import show
 from penumbra import compat, statistics
 
-SCENES = sorted(Path("/usr/share/assimp/models/BLEND").glob("*.blend"))
+
+def is_read(path: Path) -> bool:
+    """Blender 5 reads no files of big-endian machines: a V, not a v, in the header."""
+    return bpy.app.version < (5, 0, 0) or path.read_bytes()[:9] != b"BLENDER_V"
+
+
+SCENES = sorted(filter(is_read, Path("/usr/share/assimp/models/BLEND").glob("*.blend")))
 LIBRARY = Path(bpy.utils.system_resource("SCRIPTS")) / "addons/materials_library_vx"
 FILES = {"sample_materials.blend": 35, "templates.blend": 14}
 """Files and how many materials each has."""

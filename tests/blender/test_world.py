@@ -5,7 +5,7 @@ import bpy
 import numpy as np
 import pytest
 from cycles_reference import colour, converge_cycles, relative_rmse, render_with_cycles, render_with_penumbra
-from helpers import add_camera, add_cube, add_plane, read_exr, render_pixels
+from helpers import add_camera, add_cube, add_plane, make_lambertian, read_exr, render_pixels
 from penumbra import compat, native
 from penumbra.export import Kept, world
 from recording import record
@@ -200,6 +200,7 @@ def test_a_kept_picture_shows_what_a_new_one_does(scene, tmp_path):
     """Two frames of an animation with persistent data, the second with the first one's picture, as if rendered
     alone; kept meshes are traced in a space of their own (README)."""
     add_box_on_a_floor(scene)
+    make_lambertian(scene)
     set_environment(scene, sky_picture())
     scene.render.use_persistent_data, scene.frame_start, scene.frame_end = True, 1, 2
     compat.set_file_format(scene.render.image_settings, "OPEN_EXR")
