@@ -146,7 +146,9 @@ double MeshEmitter::form_factor(const SurfacePoint& surface) const {
   double sum = 0;
   for (size_t first = 0; first < triangles_.size(); first += kLane) {
     far_form_factors(columns_, first, terms, far, exact);
-    for (uint32_t i = 0; i < kLane; ++i)
+    // Padding may be near, too, where a surface is at no finite place.
+    const size_t count = std::min<size_t>(kLane, triangles_.size() - first);
+    for (size_t i = 0; i < count; ++i)
       sum += exact[i] ? triangle_form_factor(triangles_[first + i], surface) : double(far[i]);
   }
   return sum;

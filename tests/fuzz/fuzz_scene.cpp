@@ -300,8 +300,9 @@ void render(Bytes& in) {
 }  // namespace
 }  // namespace penumbra
 
-/// 184 bytes of each texture system are left on purpose (native/material/textures.cpp).
-extern "C" const char* __lsan_default_suppressions();
+/// 184 bytes of each texture system are left on purpose (native/material/textures.cpp). Visible: a sanitizer
+/// that is a library looks for it.
+extern "C" __attribute__((visibility("default"))) const char* __lsan_default_suppressions();
 extern "C" const char* __lsan_default_suppressions() {
   return "leak:TextureSystem::create\n";
 }
