@@ -28,7 +28,7 @@ class BlockLight {
  public:
   BlockLight(const Block& block, const Geometry& geometry, std::span<const Luminaire> luminaires,
              const Sampler& sampler, const BoundedSettings& settings, const std::vector<LitPoint>& points,
-             std::vector<PixelLight>& out, LightTally& tally, LightParts* parts)
+             std::vector<PixelLight>& out, LightTally& tally, LightParts* parts, BlockMemory& memory)
       : block_(block),
         luminaires_(luminaires),
         settings_(settings),
@@ -37,7 +37,10 @@ class BlockLight {
         tally_(tally),
         parts_(parts),
         item_sampler_(geometry, luminaires, sampler, points, settings),
-        certain_error_(block.pixels(), 0.0) {}
+        memory_(memory),
+        items_(memory),
+        dropped_(memory),
+        certain_error_(memory, block.pixels(), 0.0) {}
 
   void run() {
     find_items();
@@ -95,9 +98,10 @@ class BlockLight {
   LightTally& tally_;
   LightParts* parts_;
   ItemSampler item_sampler_;
-  std::vector<BoundedItem> items_;     // by slot, then pixel
-  std::vector<BoundedItem> dropped_;   // too dim for a ray, by pixel
-  std::vector<double> certain_error_;  // of each pixel's certain items, display units
+  BlockMemory& memory_;
+  Reused<BoundedItem> items_;     // by slot, then pixel
+  Reused<BoundedItem> dropped_;   // too dim for a ray, by pixel
+  Reused<double> certain_error_;  // of each pixel's certain items, display units
 };
 
 void BlockLight::find_items() {
@@ -184,7 +188,7 @@ void BlockLight::first_look() {
 void BlockLight::gate() {
   for (size_t begin = 0; begin < items_.size();) {
     const size_t s = slot(items_[begin]);
-    std::vector<uint8_t> seen(block_.pixels(), 0);
+    Reused<uint8_t> seen(memory_, block_.pixels());
     size_t end = begin;
     for (; end < items_.size() && slot(items_[end]) == s; ++end)
       seen[pixel(items_[end])] |=
@@ -206,7 +210,7 @@ void BlockLight::gate() {
 void BlockLight::flood() {
   for (size_t begin = 0; begin < items_.size();) {
     const size_t s = slot(items_[begin]);
-    std::vector<uint8_t> mixed(block_.pixels(), 0);
+    Reused<uint8_t> mixed(memory_, block_.pixels());
     size_t end = begin;
     for (; end < items_.size() && slot(items_[end]) == s; ++end) {
       BoundedItem& item = items_[end];
@@ -276,8 +280,8 @@ uint32_t BoundedLight::halo() const {
 
 void BoundedLight::light(const Block& block, std::span<const Luminaire> luminaires,
                          const std::vector<LitPoint>& points, std::vector<PixelLight>& out, LightTally& tally,
-                         LightParts* parts) const {
-  BlockLight(block, geometry_, luminaires, sampler_, settings_, points, out, tally, parts).run();
+                         LightParts* parts, BlockMemory& memory) const {
+  BlockLight(block, geometry_, luminaires, sampler_, settings_, points, out, tally, parts, memory).run();
 }
 
 }  // namespace penumbra

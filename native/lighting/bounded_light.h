@@ -27,7 +27,8 @@ class BoundedLight final : public Lighting {
   /// The gate's reach and the flood's.
   uint32_t halo() const override;
   void light(const Block& block, std::span<const Luminaire> luminaires, const std::vector<LitPoint>& points,
-             std::vector<PixelLight>& out, LightTally& tally, LightParts* parts) const override;
+             std::vector<PixelLight>& out, LightTally& tally, LightParts* parts,
+             BlockMemory& memory) const override;
 
  private:
   const Geometry& geometry_;

@@ -13,8 +13,8 @@ namespace penumbra {
 /// independent ones the true error is smaller.
 void DirectLight::light(const Block& block, std::span<const Luminaire> luminaires,
                         const std::vector<LitPoint>& points, std::vector<PixelLight>& out, LightTally& tally,
-                        LightParts* parts) const {
-  std::vector<Vec3d> variance(block.pixels());
+                        LightParts* parts, BlockMemory& memory) const {
+  Reused<Vec3d> variance(memory, block.pixels());
   for (const LitPoint& lit : points) {
     const ShadingPoint point(lit.surface, *lit.material, lit.ray_direction);
     PixelLight& pixel = out[lit.pixel];

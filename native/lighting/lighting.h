@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "lighting/block_memory.h"
 #include "lighting/pixel_trace.h"
 #include "luminaire/luminaire.h"
 #include "material/shading_point.h"
@@ -90,10 +91,10 @@ class Lighting {
   virtual uint32_t halo() const = 0;
 
   /// Direct light of all points from some luminaires, added up for each pixel of the block; `out` has
-  /// block.pixels() elements. `parts`: where it is told apart, too; null: nowhere.
+  /// block.pixels() elements. `parts`: where it is told apart, too; null: nowhere. memory: the thread's.
   virtual void light(const Block& block, std::span<const Luminaire> luminaires,
                      const std::vector<LitPoint>& points, std::vector<PixelLight>& out, LightTally& tally,
-                     LightParts* parts) const = 0;
+                     LightParts* parts, BlockMemory& memory) const = 0;
 };
 
 }  // namespace penumbra

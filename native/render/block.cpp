@@ -23,8 +23,10 @@ class BlockRenderer {
       : c_(context),
         tally_(tally),
         area_(with_halo(core, context.lighting.halo(), context.settings)),
-        block_(block_of(core, area_, context.settings)) {
-    pixels_.resize(block_.pixels());
+        block_(block_of(core, area_, context.settings)),
+        pixels_(context.memory, block_.pixels()),
+        points_(context.memory),
+        background_(context.memory) {
     points_.reserve(block_.pixels());
     if (c_.extras.want_parts()) parts_.emplace(block_.pixels(), c_.extras.light_groups());
     if (c_.extras.want_mattes()) mattes_.resize(block_.pixels());
@@ -35,8 +37,9 @@ class BlockRenderer {
   void run() {
     for (uint32_t s = 0; s < c_.settings.pixel_samples; ++s) {
       trace(s);
-      std::vector<PixelLight> light(block_.pixels());
-      c_.lighting.light(block_, c_.luminaires, points_, light, tally_.light, parts_ ? &*parts_ : nullptr);
+      Reused<PixelLight> light(c_.memory, block_.pixels());
+      c_.lighting.light(block_, c_.luminaires, points_, light, tally_.light, parts_ ? &*parts_ : nullptr,
+                        c_.memory);
       for (uint32_t i = 0; i < block_.pixels(); ++i) add_light(pixels_[i], light[i]);
     }
     write();
@@ -56,9 +59,9 @@ class BlockRenderer {
   RenderTally& tally_;
   Rectangle area_;  // of the block with its halo, full-frame pixels
   Block block_;
-  std::vector<PixelSums> pixels_;
-  std::vector<LitPoint> points_;   // seen by the current sample
-  std::vector<Vec3d> background_;  // seen by the current sample, in mirrors too
+  Reused<PixelSums> pixels_;
+  Reused<LitPoint> points_;   // seen by the current sample
+  Reused<Vec3d> background_;  // seen by the current sample, in mirrors too
   // Only where passes want them, by pixel: sums over the samples, and what the first one met.
   std::optional<LightParts> parts_;
   std::vector<std::vector<MatteHit>> mattes_;

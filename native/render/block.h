@@ -13,7 +13,7 @@
 
 namespace penumbra {
 
-/// Everything that is the same for all blocks of a render.
+/// Everything that is the same for all blocks that a thread renders.
 struct RenderContext {
   const RenderSettings& settings;
   const Scene& scene;
@@ -29,6 +29,7 @@ struct RenderContext {
   const PixelRays& pixel_rays;
   Film& film;
   const ExtraPasses& extras;
+  BlockMemory& memory;  // the thread's
 };
 
 struct RenderTally {

@@ -226,11 +226,22 @@ void Renderer::run_thread(double begin) {
   changed_.notify_all();
 }
 
-RenderContext Renderer::context() {
-  return {settings_, *scene_,         *geometry_,           camera_,
-          paths_,    luminaires_,     *lighting_,           *light_sampler_,
-          filter_,   *pixel_sampler_, pixel_light_sampler_, pixel_rays_,
-          film_,     extras_};
+RenderContext Renderer::context(BlockMemory& memory) {
+  return {settings_,
+          *scene_,
+          *geometry_,
+          camera_,
+          paths_,
+          luminaires_,
+          *lighting_,
+          *light_sampler_,
+          filter_,
+          *pixel_sampler_,
+          pixel_light_sampler_,
+          pixel_rays_,
+          film_,
+          extras_,
+          memory};
 }
 
 void (*Renderer::block_renderer() const)(const RenderContext&, const Rectangle&, RenderTally&) {
@@ -253,14 +264,17 @@ std::string Renderer::debug_pixel(uint32_t x, uint32_t y) {
   for (const auto& bucket : buckets_)
     for (const Rectangle& block : bucket->blocks)
       if (x - block.x < block.width && y - block.y < block.height) {
-        const auto local = local_lights(context(), block);
-        return penumbra::debug_pixel(local ? local->context() : context(), block, x, y, block_renderer());
+        BlockMemory memory;
+        const RenderContext whole = context(memory);
+        const auto local = local_lights(whole, block);
+        return penumbra::debug_pixel(local ? local->context() : whole, block, x, y, block_renderer());
       }
   return {};
 }
 
 void Renderer::work() {
-  const RenderContext context = this->context();
+  BlockMemory memory;
+  const RenderContext context = this->context(memory);
   while (!cancelled_) {
     const size_t i = next_++;
     if (i >= work_.size()) return;

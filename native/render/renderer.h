@@ -69,7 +69,7 @@ class Renderer {
   uint32_t block_side() const;
   void make_buckets();
   void restore_buckets();
-  RenderContext context();
+  RenderContext context(BlockMemory& memory);
   std::unique_ptr<LocalLights> local_lights(const RenderContext& context, const Rectangle& block) const;
   void (*block_renderer() const)(const RenderContext&, const Rectangle&, RenderTally&);
   void run_thread(double begin);
