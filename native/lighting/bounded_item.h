@@ -32,19 +32,24 @@ inline double share_deviation(double share) {
   return std::sqrt(share * (1 - share));
 }
 
-struct BoundedItem {
+/// What the first look tells.
+struct LookedItem {
   uint32_t point = 0, luminaire = 0;
   Vec3d diffuse, phong;                     // unshadowed radiance in the pixel, by lobe
   double diffuse_size = 0, phong_size = 0;  // the largest of their r, g, b, display units
   uint8_t first_lit = 0, first_dark = 0;    // bits of the first look's points
-  bool looked = false, uncertain = false;
+  bool looked = false;
+
+  double size() const { return diffuse_size + phong_size; }
+  Vec3d unshadowed() const { return diffuse + phong; }
+};
+
+struct BoundedItem : LookedItem {
+  BoundedItem(const LookedItem& item) : LookedItem(item) {}
 
   uint32_t count = 0, lit = 0, facing = 0;  // points used; those seen; those that could contribute
   VisibilitySums sums, at_half, at_power;   // now, and at the two powers of two before
   double variance = 0;                      // own estimate for `count` points, display units squared
-
-  double size() const { return diffuse_size + phong_size; }
-  Vec3d unshadowed() const { return diffuse + phong; }
 
   /// Ratio estimate of the shadowed radiance.
   Vec3d radiance() const { return diffuse_radiance() + glossy_radiance(); }

@@ -5,6 +5,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <deque>
 
 #include "lighting/bounded_refine.h"
 #include "lighting/light_parts.h"
@@ -16,12 +17,26 @@ namespace {
 
 /// The gate looks at pixels this far to each side; the flood carries what refining found as far again.
 constexpr int kGateReach = 3, kFloodReach = 2;
-constexpr uint32_t kHalo = kGateReach + kFloodReach;
+/// Even: whole quads, whose first looks share packets.
+constexpr uint32_t kHalo = (kGateReach + kFloodReach + 1) / 2 * 2;
 
 /// Share of a pixel's tolerance that dim luminaires may be charged for being dropped.
 constexpr double kDropShare = 0.25;
 
 enum Seen : uint8_t { kLit = 1, kDark = 2 };
+
+/// An item, and the number of its BoundedItem where it is uncertain.
+struct BlockItem : LookedItem {
+  static constexpr uint32_t kNone = ~0u;
+  uint32_t refined = kNone;
+
+  bool uncertain() const { return refined != kNone; }
+};
+
+/// Of independent errors.
+double sum_of_errors(double a, double b) {
+  return a == 0 ? b : b == 0 ? a : std::hypot(a, b);
+}
 
 /// The light of one block, step by step.
 class BlockLight {
@@ -38,57 +53,54 @@ class BlockLight {
         parts_(parts),
         item_sampler_(geometry, luminaires, sampler, points, settings),
         memory_(memory),
-        items_(memory),
+        refined_(memory),
         dropped_(memory),
         certain_error_(memory, block.pixels(), 0.0) {}
 
   void run() {
-    find_items();
-    drop_dim_items();
-    first_look();
+    for (uint32_t begin = 0, end; begin < points_.size(); begin = end) {
+      end = find_quads(begin);
+      first_look(begin, end);
+    }
     add_dropped_items();
-    gate();
-    flood();
-    settle_certain_items();
+    for (auto& items : slots_) gate(items);
+    for (auto& items : slots_) flood(items);
+    for_items([this](const BlockItem& item) { settle(item); });
     refine_tiles();
-    if (parts_)
-      for (const BoundedItem& item : items_) add_parts(item);
+    if (parts_) for_items([this](const BlockItem& item) { add_parts(item); });
     if (tally_.trace)
-      for (const BoundedItem& item : items_) tally_.trace->add(pixel(item), decision(item));
+      for_items([this](const BlockItem& item) { tally_.trace->add(pixel(item), decision(item)); });
   }
 
  private:
-  /// Items of one bounce and one luminaire are compared with each other: a slot.
-  size_t slot(const BoundedItem& item) const {
+  size_t slot(const LookedItem& item) const {
     return points_[item.point].bounce * luminaires_.size() + item.luminaire;
   }
-  uint32_t pixel(const BoundedItem& item) const { return points_[item.point].pixel; }
+  uint32_t pixel(const LookedItem& item) const { return points_[item.point].pixel; }
   bool in_core(uint32_t pixel, int margin) const {
     const int x = int(pixel % block_.width) - int(block_.core_x),
               y = int(pixel / block_.width) - int(block_.core_y);
     return x >= -margin && y >= -margin && x < int(block_.core_width) + margin &&
            y < int(block_.core_height) + margin;
   }
-
-  LightDecision decision(const BoundedItem& item) const {
-    return {points_[item.point].bounce, item.luminaire,
-            item.uncertain   ? "may be in penumbra"
-            : item.first_lit ? "wholly seen"
-                             : "wholly hidden",
-            item.uncertain ? item.count : kFirstLook,
-            item.uncertain   ? item.radiance()
-            : item.first_lit ? item.unshadowed()
-                             : Vec3d{}};
+  template <typename Function>
+  void for_items(Function function) {
+    for (auto& items : slots_)
+      for (BlockItem& item : items) function(item);
   }
-  void find_items();
-  void drop_dim_items();
+
+  LightDecision decision(const BlockItem& item) const;
+  uint32_t find_quads(uint32_t begin);
+  void first_look(uint32_t begin, uint32_t end);
+  void find_items(uint32_t begin, uint32_t end);
+  void drop_dim_items(uint32_t begin);
   void add_dropped_items();
-  void first_look();
-  void gate();
-  void flood();
-  void settle_certain_items();
+  void make_uncertain(BlockItem& item);
+  void gate(std::vector<BlockItem>& items);
+  void flood(std::vector<BlockItem>& items);
+  void settle(const BlockItem& item);
   void refine_tiles();
-  void add_parts(const BoundedItem& item);
+  void add_parts(const BlockItem& item);
 
   const Block& block_;
   std::span<const Luminaire> luminaires_;
@@ -99,55 +111,99 @@ class BlockLight {
   LightParts* parts_;
   ItemSampler item_sampler_;
   BlockMemory& memory_;
-  Reused<BoundedItem> items_;     // by slot, then pixel
-  Reused<BoundedItem> dropped_;   // too dim for a ray, by pixel
+  // Of some quads that the first look is at: each point's quad, and the number of its pixel among theirs;
+  // the items, one luminaire after the other.
+  std::vector<uint32_t> quad_, place_;
+  std::vector<LookedItem> items_;
+  std::vector<std::vector<uint32_t>> of_pixel_;
+  // Items of one bounce and one luminaire are compared with each other: a slot.
+  std::deque<Reused<BlockItem>> slots_;
+  Reused<BoundedItem> refined_;
+  Reused<LookedItem> dropped_;    // too dim for a ray
   Reused<double> certain_error_;  // of each pixel's certain items, display units
 };
 
-void BlockLight::find_items() {
-  items_.reserve(points_.size());
+LightDecision BlockLight::decision(const BlockItem& item) const {
+  const uint32_t bounce = points_[item.point].bounce;
+  if (item.uncertain()) {
+    const BoundedItem& refined = refined_[item.refined];
+    return {bounce, item.luminaire, "may be in penumbra", refined.count, refined.radiance()};
+  }
+  return item.first_lit ? LightDecision{bounce, item.luminaire, "wholly seen", kFirstLook, item.unshadowed()}
+                        : LightDecision{bounce, item.luminaire, "wholly hidden", kFirstLook, {}};
+}
+
+/// Whole quads of 2 x 2 pixels, which share packets, of about kBatch points from `begin` on. A block's first
+/// row and column are even in the frame, so that its quads are the frame's. Returns where they end.
+uint32_t BlockLight::find_quads(uint32_t begin) {
+  quad_.clear();
+  place_.clear();
+  uint32_t end = begin, whole = begin;
+  for (; end < points_.size(); ++end) {
+    const uint32_t p = points_[end].pixel, quad = p / block_.width / 2 * block_.width + p % block_.width / 2;
+    if (end > begin && quad != quad_.back()) whole = end;
+    if (end - begin >= kBatch && whole > begin) return whole;
+    place_.push_back(end == begin ? 0 : place_.back() + (p != points_[end - 1].pixel));
+    quad_.push_back(quad);
+  }
+  return end;
+}
+
+void BlockLight::first_look(uint32_t begin, uint32_t end) {
+  items_.clear();
+  find_items(begin, end);
+  if (luminaires_.size() > 1) drop_dim_items(begin);
+  std::vector<uint32_t> group;
+  for (size_t first = 0, last; first < items_.size(); first = last) {
+    group.clear();
+    for (last = first; last < items_.size() && items_[last].luminaire == items_[first].luminaire; ++last)
+      group.push_back(quad_[items_[last].point - begin]);
+    item_sampler_.look(std::span(items_).subspan(first, last - first), group, tally_);
+  }
+  for (const LookedItem& item : items_) {
+    while (slots_.size() <= slot(item)) slots_.emplace_back(memory_);
+    slots_[slot(item)].push_back({item});
+  }
+}
+
+void BlockLight::find_items(uint32_t begin, uint32_t end) {
   for (uint32_t l = 0; l < luminaires_.size(); ++l) {
-    const Luminaire& luminaire = luminaires_[l];
-    for (uint32_t begin = 0; begin < points_.size(); begin += kBatch) {
-      const uint32_t end = std::min(begin + kBatch, uint32_t(points_.size()));
+    for (uint32_t first = begin; first < end; first += kBatch) {
+      const uint32_t last = std::min(first + kBatch, end);
       SurfaceColumns columns;
-      for (uint32_t p = begin; p < end; ++p) columns.add(points_[p].surface);
+      for (uint32_t p = first; p < last; ++p) columns.add(points_[p].surface);
       alignas(64) double form_factors[kBatch];
-      luminaire.form_factors(columns, form_factors);
-      for (uint32_t p = begin; p < end; ++p) {
+      luminaires_[l].form_factors(columns, form_factors);
+      for (uint32_t p = first; p < last; ++p) {
         tally_.stop_if_cancelled();
-        if (form_factors[p - begin] <= 0) {
+        if (form_factors[p - first] <= 0) {
           tally_.decided_without_ray += in_core(points_[p].pixel, 0);
           continue;
         }
-        const BoundedItem item = item_sampler_.make(p, l, form_factors[p - begin]);
+        const LookedItem item = item_sampler_.make(p, l, form_factors[p - first]);
         if (item.size() > 0) items_.push_back(item);
       }
     }
   }
-  const auto before = [this](const BoundedItem& a, const BoundedItem& b) { return slot(a) < slot(b); };
-  // Without mirrors they are in order already.
-  if (!std::is_sorted(items_.begin(), items_.end(), before))
-    std::stable_sort(items_.begin(), items_.end(), before);
 }
 
-/// Sets a pixel's dimmest items aside, as many as its share of the tolerance pays for: they get no ray.
-void BlockLight::drop_dim_items() {
-  if (luminaires_.size() < 2) return;
-  std::vector<std::vector<uint32_t>> of_pixel(block_.pixels());
-  for (uint32_t i = 0; i < items_.size(); ++i) of_pixel[pixel(items_[i])].push_back(i);
-  std::vector<bool> dropped(items_.size(), false);
-  for (uint32_t p = 0; p < of_pixel.size(); ++p) {
-    auto& list = of_pixel[p];
+/// Sets each pixel's dimmest items aside, as many as its share of the tolerance pays for: they get no ray.
+void BlockLight::drop_dim_items(uint32_t begin) {
+  of_pixel_.resize(std::max<size_t>(of_pixel_.size(), place_.back() + 1));
+  for (auto& list : of_pixel_) list.clear();
+  for (uint32_t i = 0; i < items_.size(); ++i) of_pixel_[place_[items_[i].point - begin]].push_back(i);
+  std::vector<uint8_t> dropped(items_.size());
+  for (auto& list : of_pixel_) {
     std::sort(list.begin(), list.end(), [this](uint32_t a, uint32_t b) {
-      return items_[a].size() != items_[b].size() ? items_[a].size() < items_[b].size() : a < b;
+      const double size = items_[a].size(), other = items_[b].size();
+      return size != other ? size < other : slot(items_[a]) < slot(items_[b]);
     });
     double charge = 0;
     for (uint32_t i : list) {
       charge += items_[i].size() / 2;
       if (charge > kDropShare * settings_.tolerance) break;
-      dropped[i] = true;
-      tally_.decided_without_ray += in_core(p, 0);
+      dropped[i] = 1;
+      tally_.decided_without_ray += in_core(pixel(items_[i]), 0);
       dropped_.push_back(items_[i]);
     }
   }
@@ -160,12 +216,12 @@ void BlockLight::drop_dim_items() {
 /// Adds of the dropped items what the pixel sees of the others, by their first looks.
 void BlockLight::add_dropped_items() {
   if (dropped_.empty()) return;
-  std::vector<std::array<uint32_t, 2>> rays(block_.pixels());  // lit, dark
-  for (const BoundedItem& item : items_) {
+  Reused<std::array<uint32_t, 2>> rays(memory_, block_.pixels());  // lit, dark
+  for_items([&](const BlockItem& item) {
     rays[pixel(item)][0] += uint32_t(std::popcount(item.first_lit));
     rays[pixel(item)][1] += uint32_t(std::popcount(item.first_dark));
-  }
-  for (const BoundedItem& item : dropped_) {
+  });
+  for (const LookedItem& item : dropped_) {
     const auto& [lit, dark] = rays[pixel(item)];
     const double share = expected_share(lit, dark);
     PixelLight& light = out_[pixel(item)];
@@ -180,94 +236,98 @@ void BlockLight::add_dropped_items() {
   }
 }
 
-void BlockLight::first_look() {
-  for (BoundedItem& item : items_) item_sampler_.look(item, tally_);
+void BlockLight::make_uncertain(BlockItem& item) {
+  if (item.uncertain()) return;
+  item.refined = uint32_t(refined_.size());
+  refined_.push_back(item);
 }
 
-/// Items whose neighbourhood has seen both light and dark may be in penumbra.
-void BlockLight::gate() {
-  for (size_t begin = 0; begin < items_.size();) {
-    const size_t s = slot(items_[begin]);
-    Reused<uint8_t> seen(memory_, block_.pixels());
-    size_t end = begin;
-    for (; end < items_.size() && slot(items_[end]) == s; ++end)
-      seen[pixel(items_[end])] |=
-          uint8_t((items_[end].first_lit ? kLit : 0) | (items_[end].first_dark ? kDark : 0));
-    spread(seen, block_.width, block_.height, kGateReach);
-    for (size_t i = begin; i < end; ++i) {
-      if (luminaires_[items_[i].luminaire].is_point()) continue;  // one ray told all
-      // Most of the four were below the horizon: a neighbourhood of those has seen next to nothing.
-      const bool blind =
-          std::popcount(uint8_t(items_[i].first_lit | items_[i].first_dark)) < int(kFirstLook) / 2;
-      const bool unproven = luminaires_[items_[i].luminaire].is_wide();  // until the flood's 16 points
-      items_[i].uncertain = seen[pixel(items_[i])] == (kLit | kDark) || blind || unproven;
-    }
-    begin = end;
+/// Items of a slot whose neighbourhood has seen both light and dark may be in penumbra.
+void BlockLight::gate(std::vector<BlockItem>& items) {
+  if (items.empty()) return;
+  const Luminaire& luminaire = luminaires_[items.front().luminaire];
+  if (luminaire.is_point()) return;  // one ray told all
+  Reused<uint8_t> seen(memory_, block_.pixels());
+  uint8_t by_any = 0;
+  for (const BlockItem& item : items) {
+    const uint8_t here = uint8_t((item.first_lit ? kLit : 0) | (item.first_dark ? kDark : 0));
+    seen[pixel(item)] |= here;
+    by_any |= here;
+  }
+  if (by_any == (kLit | kDark)) spread(seen, block_.width, block_.height, kGateReach);
+  for (BlockItem& item : items) {
+    // Most of the four were below the horizon: a neighbourhood of those has seen next to nothing.
+    const bool blind = std::popcount(uint8_t(item.first_lit | item.first_dark)) < int(kFirstLook) / 2;
+    const bool unproven = luminaire.is_wide();  // until the flood's 16 points
+    if (seen[pixel(item)] == (kLit | kDark) || blind || unproven) make_uncertain(item);
   }
 }
 
 /// Where the first packet of an uncertain item finds penumbra, its neighbours are uncertain too.
-void BlockLight::flood() {
-  for (size_t begin = 0; begin < items_.size();) {
-    const size_t s = slot(items_[begin]);
-    Reused<uint8_t> mixed(memory_, block_.pixels());
-    size_t end = begin;
-    for (; end < items_.size() && slot(items_[end]) == s; ++end) {
-      BoundedItem& item = items_[end];
-      if (!item.uncertain || !in_core(pixel(item), kFloodReach)) continue;
-      item_sampler_.advance(item, next_level(0), tally_);
-      mixed[pixel(item)] = item.lit > 0 && item.lit < item.facing;
-    }
-    spread(mixed, block_.width, block_.height, kFloodReach);
-    for (size_t i = begin; i < end; ++i) items_[i].uncertain = items_[i].uncertain || mixed[pixel(items_[i])];
-    begin = end;
+void BlockLight::flood(std::vector<BlockItem>& items) {
+  Reused<uint8_t> mixed(memory_, block_.pixels());
+  bool any = false;
+  for (const BlockItem& item : items) {
+    if (!item.uncertain() || !in_core(pixel(item), kFloodReach)) continue;
+    BoundedItem& refined = refined_[item.refined];
+    item_sampler_.advance(refined, next_level(0), tally_);
+    mixed[pixel(item)] = refined.lit > 0 && refined.lit < refined.facing;
+    any = any || mixed[pixel(item)];
   }
+  if (!any) return;
+  spread(mixed, block_.width, block_.height, kFloodReach);
+  for (BlockItem& item : items)
+    if (mixed[pixel(item)]) make_uncertain(item);
 }
 
-/// What the first looks around a pixel can have missed is the smoothed standard error of all their points; a
-/// pixel's share of it is reported, but no more than half the tolerance, which the calibration shows to hold.
-void BlockLight::settle_certain_items() {
-  const double n = kFirstLook * (2 * kGateReach + 1) * (2 * kGateReach + 1), p = 1 / (n + 2);
-  const double missed =
+/// A certain item's light. What the first looks around a pixel can have missed is the smoothed standard error
+/// of all their points; a pixel's share of it is reported, but no more than half the tolerance, which the
+/// calibration shows to hold.
+void BlockLight::settle(const BlockItem& item) {
+  static const double n = kFirstLook * (2 * kGateReach + 1) * (2 * kGateReach + 1), p = 1 / (n + 2);
+  static const double missed =
       kItemCalibration.report * kItemCalibration.smoothed * std::sqrt(p * (1 - p)) * std::pow(n, -0.75);
-  for (const BoundedItem& item : items_) {
-    if (item.uncertain) continue;
-    PixelLight& pixel_light = out_[pixel(item)];
-    const bool exact = luminaires_[item.luminaire].is_point();
-    pixel_light.points += exact ? 1 : kFirstLook;
-    if (item.first_lit) pixel_light.radiance += item.unshadowed();
-    if (exact) continue;
-    double& certain = certain_error_[pixel(item)];
-    certain = std::min(std::hypot(certain, missed * item.size()), settings_.tolerance / 2);
-  }
+  if (item.uncertain()) return;
+  PixelLight& pixel_light = out_[pixel(item)];
+  const bool exact = luminaires_[item.luminaire].is_point();
+  pixel_light.points += exact ? 1 : kFirstLook;
+  if (item.first_lit) pixel_light.radiance += item.unshadowed();
+  if (exact) return;
+  double& certain = certain_error_[pixel(item)];
+  certain = std::min(sum_of_errors(certain, missed * item.size()), settings_.tolerance / 2);
 }
 
 void BlockLight::refine_tiles() {
   const uint32_t columns = (block_.core_width + kTile - 1) / kTile;
   const uint32_t rows = (block_.core_height + kTile - 1) / kTile;
   std::vector<std::vector<BoundedItem*>> tiles(size_t(columns) * rows);
-  for (BoundedItem& item : items_) {
-    if (!item.uncertain || !in_core(pixel(item), 0)) continue;
+  for_items([&](const BlockItem& item) {
+    if (!item.uncertain() || !in_core(pixel(item), 0)) return;
     const uint32_t x = pixel(item) % block_.width - block_.core_x,
                    y = pixel(item) / block_.width - block_.core_y;
-    tiles[y / kTile * columns + x / kTile].push_back(&item);
-  }
+    tiles[y / kTile * columns + x / kTile].push_back(&refined_[item.refined]);
+  });
   const TileRefiner refiner(item_sampler_, points_, block_, settings_);
   for (auto& tile : tiles) {
     refiner.refine(tile, out_, tally_);
     for (const BoundedItem* item : tile) out_[pixel(*item)].points += item->count;
   }
-  for (uint32_t p = 0; p < block_.pixels(); ++p) {
-    out_[p].error = std::hypot(out_[p].error, certain_error_[p]);
-    if (in_core(p, 0)) tally_.light_points += out_[p].points;
+  for (uint32_t y = 0; y < block_.core_height; ++y) {
+    const uint32_t row = (block_.core_y + y) * block_.width + block_.core_x;
+    for (uint32_t p = row; p < row + block_.core_width; ++p) {
+      out_[p].error = sum_of_errors(out_[p].error, certain_error_[p]);
+      tally_.light_points += out_[p].points;
+    }
   }
 }
 
 /// An item's light, told apart.
-void BlockLight::add_parts(const BoundedItem& item) {
-  const double seen = item.first_lit ? 1 : 0;
-  const Vec3d diffuse = item.uncertain ? item.diffuse_radiance() : item.diffuse * seen,
-              glossy = item.uncertain ? item.glossy_radiance() : item.phong * seen;
+void BlockLight::add_parts(const BlockItem& item) {
+  Vec3d diffuse, glossy;
+  if (item.uncertain())
+    diffuse = refined_[item.refined].diffuse_radiance(), glossy = refined_[item.refined].glossy_radiance();
+  else if (item.first_lit)
+    diffuse = item.diffuse, glossy = item.phong;
   add_light(parts_->of(pixel(item)), luminaires_[item.luminaire], points_[item.point],
             {diffuse, item.diffuse}, {glossy, item.phong});
 }

@@ -37,16 +37,25 @@ double block_variance(const BoundedItem& item) {
   return squares * share_of_blocks(blocks, kBlockExponent);
 }
 
+/// Whole groups from `begin` on, as many as a packet's items hold; of a larger one its next items.
+size_t end_of_groups(std::span<const uint32_t> group, size_t begin) {
+  const size_t most = begin + kPacket;
+  if (most >= group.size()) return group.size();
+  size_t end = most;
+  while (end > begin && group[end - 1] == group[end]) --end;
+  return end > begin ? end : most;
+}
+
 }  // namespace
 
-StreamKey ItemSampler::key(const BoundedItem& item) const {
+StreamKey ItemSampler::key(const LookedItem& item) const {
   const uint64_t index = points_[item.point].stream * luminaires_.size() + item.luminaire;
   return {index, hash_of(index)};
 }
 
-BoundedItem ItemSampler::make(uint32_t point, uint32_t luminaire, double form_factor) const {
+LookedItem ItemSampler::make(uint32_t point, uint32_t luminaire, double form_factor) const {
   const LitPoint& lit = points_[point];
-  BoundedItem item;
+  LookedItem item;
   item.point = point;
   item.luminaire = luminaire;
   const Vec3d arriving = lit.throughput * luminaires_[luminaire].radiance();
@@ -75,27 +84,46 @@ Vec3d ItemSampler::unshadowed_glossy(const ShadingPoint& point, const Vec3d& arr
   return arriving * point.material.phong * (sum.weight / count);
 }
 
-void ItemSampler::look(BoundedItem& item, LightTally& tally) const {
-  tally.stop_if_cancelled();
-  alignas(64) float u[kPacket], v[kPacket];
-  alignas(64) int traced[kPacket];
-  LightPoints points;
-  const LitPoint& lit = points_[item.point];
-  const Luminaire& luminaire = luminaires_[item.luminaire];
-  sampler_.points(key(item), 0, kPacket, u, v);
-  luminaire.evaluate(lit.surface, u, v, kFirstLook, points);
-  float* f = points.form_factor;
+void ItemSampler::look(std::span<LookedItem> items, std::span<const uint32_t> group,
+                       LightTally& tally) const {
+  const Luminaire& luminaire = luminaires_[items.front().luminaire];
   const uint32_t looks = luminaire.is_point() ? 1 : kFirstLook;
-  std::fill(f + looks, f + kPacket, 0.0f);
-  float unshadowed[kFirstLook];
-  std::copy(f, f + kFirstLook, unshadowed);
+  for (size_t begin = 0, end; begin < items.size(); begin = end) {
+    end = end_of_groups(group, begin);
+    look_at_packets(items.subspan(begin, end - begin), &group[begin], luminaire, looks, tally);
+  }
+}
+
+static_assert(kFirstLook <= kMostPoints && kFirstLook * kPacket <= kBatch);
+
+/// At most kPacket items.
+void ItemSampler::look_at_packets(std::span<LookedItem> items, const uint32_t* group,
+                                  const Luminaire& luminaire, uint32_t looks, LightTally& tally) const {
+  tally.stop_if_cancelled();
+  alignas(64) float u[kBatch], v[kBatch], unshadowed[kBatch];
+  StreamKey keys[kPacket];
+  SurfaceColumns surfaces;
+  LightPoints points;
+  const auto count = uint32_t(items.size());
+  for (uint32_t i = 0; i < count; ++i) {
+    surfaces.add(points_[items[i].point].surface);
+    keys[i] = key(items[i]);
+  }
+  sampler_.first_points({keys, count}, looks, u, v);
+  luminaire.evaluate_each(surfaces, u, v, points, looks);
+  const float* f = points.form_factor;
+  std::copy(f, f + looks * count, unshadowed);
   if (luminaire.casts_shadow())
-    tally.shadow_rays += ShadowRays(geometry_, lit.surface, luminaire.shadow_kind())
-                             .hide(points.x, points.y, points.z, f, traced);
-  // Behind a transparent surface a point is both.
-  for (uint32_t i = 0; i < kFirstLook; ++i) item.first_lit |= uint8_t((f[i] > 0) << i);
-  for (uint32_t i = 0; i < kFirstLook; ++i) item.first_dark |= uint8_t((f[i] < unshadowed[i]) << i);
-  item.looked = true;
+    tally.shadow_rays += hide_from_each(geometry_, surfaces, group, luminaire.shadow_kind(), looks, points.x,
+                                        points.y, points.z, points.form_factor);
+  for (uint32_t i = 0; i < count; ++i) {
+    // Behind a transparent surface a point is both.
+    for (uint32_t k = 0; k < looks; ++k) {
+      items[i].first_lit |= uint8_t((f[k * count + i] > 0) << k);
+      items[i].first_dark |= uint8_t((f[k * count + i] < unshadowed[k * count + i]) << k);
+    }
+    items[i].looked = true;
+  }
 }
 
 void ItemSampler::advance(BoundedItem& item, uint32_t target, LightTally& tally) const {

@@ -20,16 +20,19 @@ class ItemSampler {
         settings_(settings) {}
 
   /// Surface point number `point` and a luminaire of that form factor: its unshadowed light.
-  BoundedItem make(uint32_t point, uint32_t luminaire, double form_factor) const;
+  LookedItem make(uint32_t point, uint32_t luminaire, double form_factor) const;
 
-  /// The item's first rays, one to each quarter of the luminaire; all points of a point light are the same.
-  void look(BoundedItem& item, LightTally& tally) const;
+  /// The first rays of one luminaire's items, one to each quarter of it; all points of a point light are the
+  /// same. Those of a group (its number, by item) lie together; only they share packets.
+  void look(std::span<LookedItem> items, std::span<const uint32_t> group, LightTally& tally) const;
 
   /// Adds points up to `count` (16, or a later level), shadow rays included.
   void advance(BoundedItem& item, uint32_t count, LightTally& tally) const;
 
  private:
-  StreamKey key(const BoundedItem& item) const;
+  StreamKey key(const LookedItem& item) const;
+  void look_at_packets(std::span<LookedItem> items, const uint32_t* group, const Luminaire& luminaire,
+                       uint32_t looks, LightTally& tally) const;
   Vec3d unshadowed_glossy(const ShadingPoint& point, const Vec3d& arriving, const Luminaire& luminaire,
                           const StreamKey& key) const;
 

@@ -7,15 +7,17 @@ namespace penumbra {
 
 void spread(std::vector<uint8_t>& flags, uint32_t width, uint32_t height, int reach) {
   std::vector<uint8_t> rows(flags.size(), 0);
-  for (uint32_t y = 0; y < height; ++y)
-    for (uint32_t x = 0; x < width; ++x)
-      for (int d = -reach; d <= reach; ++d)
-        if (int(x) + d >= 0 && x + d < width) rows[y * width + x] |= flags[y * width + x + d];
+  const int w = int(width), h = int(height);
+  // Each shift by whole rows of flags, which the compiler vectorises.
+  const auto add = [w](const uint8_t* from, uint8_t* to, int shift) {
+    for (int x = std::max(0, -shift); x < std::min(w, w - shift); ++x) to[x] |= from[x + shift];
+  };
+  for (int y = 0; y < h; ++y)
+    for (int d = -reach; d <= reach; ++d) add(flags.data() + y * w, rows.data() + y * w, d);
   std::fill(flags.begin(), flags.end(), uint8_t(0));
-  for (uint32_t y = 0; y < height; ++y)
-    for (int d = -reach; d <= reach; ++d)
-      if (int(y) + d >= 0 && y + d < height)
-        for (uint32_t x = 0; x < width; ++x) flags[y * width + x] |= rows[(y + d) * width + x];
+  for (int y = 0; y < h; ++y)
+    for (int d = std::max(-reach, -y); d <= std::min(reach, h - 1 - y); ++d)
+      add(rows.data() + (y + d) * w, flags.data() + y * w, 0);
 }
 
 }  // namespace penumbra

@@ -7,15 +7,23 @@ void Emitter::form_factors(const SurfaceColumns& surfaces, double* out) const {
   for (uint32_t i = 0; i < surfaces.count; ++i) out[i] = form_factor(surfaces.point(i));
 }
 
-void Emitter::evaluate_each(const SurfaceColumns& surfaces, const float* u, const float* v,
+void Emitter::evaluate_each(const SurfaceColumns& surfaces, const float* u, const float* v, uint32_t points,
                             LightPoints& out) const {
-  LightPoints one;
+  alignas(64) float own_u[kBatch], own_v[kBatch];
+  LightPoints own;
   for (uint32_t i = 0; i < surfaces.count; ++i) {
-    evaluate(surfaces.point(i), u + i, v + i, 1, one);
-    out.x[i] = one.x[0];
-    out.y[i] = one.y[0];
-    out.z[i] = one.z[0];
-    out.form_factor[i] = one.form_factor[0];
+    for (uint32_t k = 0; k < points; ++k) {
+      own_u[k] = u[k * surfaces.count + i];
+      own_v[k] = v[k * surfaces.count + i];
+    }
+    evaluate(surfaces.point(i), own_u, own_v, points, own);
+    for (uint32_t k = 0; k < points; ++k) {
+      const uint32_t at = k * surfaces.count + i;
+      out.x[at] = own.x[k];
+      out.y[at] = own.y[k];
+      out.z[at] = own.z[k];
+      out.form_factor[at] = own.form_factor[k];
+    }
   }
 }
 

@@ -50,8 +50,9 @@ class Emitter {
   /// Maps points of the unit square to the luminaire and evaluates them.
   virtual void evaluate(const SurfacePoint& surface, const float* u, const float* v, uint32_t count,
                         LightPoints& out) const = 0;
-  /// One point for each of many surface points: (u, v)[i] for surface i.
-  virtual void evaluate_each(const SurfaceColumns& surfaces, const float* u, const float* v,
+  /// Some points for each of many surface points, kBatch in sum: (u, v)[k * surfaces.count + i] is point k
+  /// for surface i.
+  virtual void evaluate_each(const SurfaceColumns& surfaces, const float* u, const float* v, uint32_t points,
                              LightPoints& out) const;
 
   /// What the line sees of the emitter itself: radiance towards its origin, in the unit of form factors. Zero

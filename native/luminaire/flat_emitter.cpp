@@ -32,7 +32,7 @@ inline Part part_above(double a, double b, double c) {
 /// From a surface point with `surface_normal` to the luminaire's corner, then to point (u, v) of a part of
 /// it: direction and cos cos' / r^2 term. A direction of no or infinite length gives 0, as do both horizons.
 inline void evaluate_one(const FormFactorTerms& g, const Vec3f& corner, const Vec3f& surface_normal,
-                         const Part& part, float u, float v, LightPoints& out, uint32_t i) {
+                         const Part& part, float u, float v, LightPoints& out, size_t i) {
   const float s = part.s + part.width * u, t = part.t + part.height * v;
   const float dx = corner.x + (s * g.edge_u.x + t * g.edge_v.x);
   const float dy = corner.y + (s * g.edge_u.y + t * g.edge_v.y);
@@ -60,15 +60,25 @@ void evaluate_from_one(const FormFactorTerms& terms, const Vec3f& corner, const 
 PENUMBRA_VECTORIZED
 void evaluate_from_each(const FormFactorTerms& terms, const Vec3d& corner, const Vec3d& edge_u,
                         const Vec3d& edge_v, const SurfaceColumns& surfaces, const float* u, const float* v,
-                        LightPoints& out) {
+                        uint32_t points, LightPoints& __restrict out) {
   const FormFactorTerms g = terms;
   const Vec3d c = corner, eu = edge_u, ev = edge_v;
-  for (uint32_t i = 0; i < surfaces.count; ++i) {
+  const size_t count = surfaces.count;
+  alignas(64) float from_x[kBatch], from_y[kBatch], from_z[kBatch];
+  alignas(64) float normal_x[kBatch], normal_y[kBatch], normal_z[kBatch];
+  alignas(64) float s[kBatch], t[kBatch], width[kBatch], height[kBatch];
+  for (size_t i = 0; i < count; ++i) {
     const Vec3d from(c.x - surfaces.x[i], c.y - surfaces.y[i], c.z - surfaces.z[i]);
     const Vec3d normal(surfaces.normal_x[i], surfaces.normal_y[i], surfaces.normal_z[i]);
     const Part part = part_above(dot(from, normal), dot(eu, normal), dot(ev, normal));
-    evaluate_one(g, Vec3f(from), Vec3f(normal), part, u[i], v[i], out, i);
+    from_x[i] = float(from.x), from_y[i] = float(from.y), from_z[i] = float(from.z);
+    normal_x[i] = float(normal.x), normal_y[i] = float(normal.y), normal_z[i] = float(normal.z);
+    s[i] = part.s, t[i] = part.t, width[i] = part.width, height[i] = part.height;
   }
+  for (size_t first = 0; first < points * count; first += count)
+    for (size_t i = 0; i < count; ++i)
+      evaluate_one(g, {from_x[i], from_y[i], from_z[i]}, {normal_x[i], normal_y[i], normal_z[i]},
+                   {s[i], t[i], width[i], height[i]}, u[first + i], v[first + i], out, first + i);
 }
 
 }  // namespace
@@ -167,10 +177,10 @@ void FlatEmitter::evaluate(const SurfacePoint& surface, const float* u, const fl
 }
 
 void FlatEmitter::evaluate_each(const SurfaceColumns& surfaces, const float* u, const float* v,
-                                LightPoints& out) const {
+                                uint32_t points, LightPoints& out) const {
   alignas(64) float s[kBatch], t[kBatch];
-  to_shape(u, v, surfaces.count, s, t);
-  evaluate_from_each(terms_, corner_, cut_u_, cut_v_, surfaces, u, v, out);
+  to_shape(u, v, surfaces.count * points, s, t);
+  evaluate_from_each(terms_, corner_, cut_u_, cut_v_, surfaces, u, v, points, out);
 }
 
 double FlatEmitter::seen_along(const SightLine& line) const {

@@ -30,7 +30,7 @@ class FlatEmitter final : public Emitter {
   /// Uniformly in area, but for what a rectangle has below the surface's horizon.
   void evaluate(const SurfacePoint& surface, const float* u, const float* v, uint32_t count,
                 LightPoints& out) const override;
-  void evaluate_each(const SurfaceColumns& surfaces, const float* u, const float* v,
+  void evaluate_each(const SurfaceColumns& surfaces, const float* u, const float* v, uint32_t points,
                      LightPoints& out) const override;
   double seen_along(const SightLine& line) const override;
   std::vector<LightElement> elements() const override;

@@ -40,8 +40,9 @@ class Luminaire {
   void form_factors(const SurfaceColumns& surfaces, double* out) const;
   void evaluate(const SurfacePoint& surface, const float* u, const float* v, uint32_t count,
                 LightPoints& out) const;
-  void evaluate_each(const SurfaceColumns& surfaces, const float* u, const float* v, LightPoints& out) const {
-    emitter_->evaluate_each(surfaces, u, v, out);
+  void evaluate_each(const SurfaceColumns& surfaces, const float* u, const float* v, LightPoints& out,
+                     uint32_t points = 1) const {
+    emitter_->evaluate_each(surfaces, u, v, points, out);
   }
   /// Times radiance(): what a line of sight sees of the luminaire itself.
   double seen_along(const SightLine& line) const { return emitter_->seen_along(line); }

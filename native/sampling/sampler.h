@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 
 namespace penumbra {
 
@@ -44,6 +45,10 @@ class Sampler {
   /// kPacket; u and v hold `count` floats, multiples of 2^-24 and at most 1 - 2^-24. Points at or beyond
   /// samples_per_stream have some value in [0,1)^2 and are not to be used.
   virtual void points(const StreamKey& key, uint32_t first, uint32_t count, float* u, float* v) const = 0;
+
+  /// The first points of several streams, at most kPacket of each: point k of stream i is number
+  /// k * keys.size() + i.
+  virtual void first_points(std::span<const StreamKey> keys, uint32_t count, float* u, float* v) const;
 };
 
 /// Throws std::invalid_argument where SPRS is asked for a number that is no square, or for zero points.

@@ -29,6 +29,13 @@ void to_unit_square(const uint32_t* in, uint32_t count, bool owen, uint32_t scra
   }
 }
 
+/// One point of the sequence, its digits reversed, scrambled for each of many streams.
+PENUMBRA_VECTORIZED
+void scramble_each(uint32_t reversed, const uint32_t* seeds, uint32_t count, float* out) {
+  for (uint32_t i = 0; i < count; ++i)
+    out[i] = float(int32_t(reverse_bits(owen_scramble_reversed(reversed, seeds[i])) >> 8)) * 0x1p-24f;
+}
+
 /// Interleaves the eight highest digits of both coordinates.
 uint32_t morton_code(uint32_t u, uint32_t v) {
   uint32_t code = 0;
@@ -128,6 +135,24 @@ void SequenceSampler::points(const StreamKey& key, uint32_t first, uint32_t coun
     }
     to_unit_square(in_u, n, owen_, t.scramble_u, t.shift_u, u + done);
     to_unit_square(in_v, n, owen_, t.scramble_v, t.shift_v, v + done);
+  }
+}
+
+void SequenceSampler::first_points(std::span<const StreamKey> keys, uint32_t count, float* u,
+                                   float* v) const {
+  if (!owen_ || settings_.reuse != SampleReuse::kScrambled) return Sampler::first_points(keys, count, u, v);
+  alignas(64) uint32_t seeds_u[kPacket], seeds_v[kPacket];
+  const size_t streams = keys.size();
+  for (size_t begin = 0; begin < streams; begin += kPacket) {
+    const uint32_t n = uint32_t(std::min<size_t>(kPacket, streams - begin));
+    for (uint32_t i = 0; i < n; ++i) {
+      const uint64_t bits = hash_of(settings_.seed, keys[begin + i].hash);
+      seeds_u[i] = uint32_t(bits), seeds_v[i] = uint32_t(bits >> 32);
+    }
+    for (uint32_t k = 0; k < count; ++k) {
+      scramble_each(reverse_bits(u_[k]), seeds_u, n, u + k * streams + begin);
+      scramble_each(reverse_bits(v_[k]), seeds_v, n, v + k * streams + begin);
+    }
   }
 }
 

@@ -14,6 +14,7 @@ class SequenceSampler final : public Sampler {
  public:
   explicit SequenceSampler(const SamplerSettings& settings);
   void points(const StreamKey& key, uint32_t first, uint32_t count, float* u, float* v) const override;
+  void first_points(std::span<const StreamKey> keys, uint32_t count, float* u, float* v) const override;
 
  private:
   /// Point of the sequence, counted from the index where rendering starts.

@@ -11,24 +11,36 @@ namespace penumbra {
 /// Points handled at a time: four packets keep the vectorised loops long and the arrays in the first cache.
 inline constexpr uint32_t kBatch = 64;
 
-/// Positions, shading normals and receiver sets of up to kBatch surface points, render space.
+/// Up to kBatch surface points, render space: what luminaires and shadow rays want to know.
 struct SurfaceColumns {
   alignas(64) double x[kBatch], y[kBatch], z[kBatch];
   alignas(64) double normal_x[kBatch], normal_y[kBatch], normal_z[kBatch];
+  alignas(64) double geometric_x[kBatch], geometric_y[kBatch], geometric_z[kBatch];
+  alignas(64) double rounding[kBatch], time[kBatch];
   uint32_t receiver_set[kBatch];
   uint32_t count = 0;
 
   void add(const SurfacePoint& point) {
     x[count] = point.position.x, y[count] = point.position.y, z[count] = point.position.z;
     normal_x[count] = point.normal.x, normal_y[count] = point.normal.y, normal_z[count] = point.normal.z;
+    geometric_x[count] = point.geometric_normal.x, geometric_y[count] = point.geometric_normal.y,
+    geometric_z[count] = point.geometric_normal.z;
+    rounding[count] = point.rounding, time[count] = point.time;
     receiver_set[count] = point.receiver_set;
     ++count;
   }
 
-  /// Position and normal of one of them; nothing else is known.
+  /// One of them; its material, place and distance are not known.
   SurfacePoint point(uint32_t i) const {
-    const Vec3d normal{normal_x[i], normal_y[i], normal_z[i]};
-    return {{x[i], y[i], z[i]}, normal, normal, 0, 0, 0, {}, receiver_set[i]};
+    return {{x[i], y[i], z[i]},
+            {geometric_x[i], geometric_y[i], geometric_z[i]},
+            {normal_x[i], normal_y[i], normal_z[i]},
+            0,
+            rounding[i],
+            0,
+            {},
+            receiver_set[i],
+            time[i]};
   }
 };
 

@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
+#include <cstring>
+#include <optional>
 
 #include "math/simd.h"
 #include "sampling/hash.h"
@@ -44,6 +47,47 @@ uint32_t fill(const ShadowOrigin& origin, RayMask mask, const float* x, const fl
   return uint32_t(count);
 }
 
+/// Where rays to one side of each surface point start.
+PENUMBRA_VECTORIZED
+void find_side(const SurfaceColumns& s, double sign, ShadowOrigins::Side& __restrict side) {
+  const uint32_t count = s.count;
+  for (uint32_t i = 0; i < count; ++i) {
+    const double off = sign * s.rounding[i];
+    const float x = float(s.x[i] + s.geometric_x[i] * off), y = float(s.y[i] + s.geometric_y[i] * off),
+                z = float(s.z[i] + s.geometric_z[i] * off);
+    side.x[i] = x, side.y[i] = y, side.z[i] = z;
+    side.dx[i] = float(s.x[i] - double(x)), side.dy[i] = float(s.y[i] - double(y)),
+    side.dz[i] = float(s.z[i] - double(z));
+  }
+}
+
+PENUMBRA_VECTORIZED
+void find_rays(const ShadowOrigins& o, const float* x, const float* y, const float* z,
+               ShadowRayColumns& __restrict out) {
+  const uint32_t count = o.count;
+  for (uint32_t i = 0; i < count; ++i) {
+    // Both sides are read: a choice of what to read would not be vectorised.
+    const float fx = o.front.x[i], fy = o.front.y[i], fz = o.front.z[i], fdx = o.front.dx[i],
+                fdy = o.front.dy[i], fdz = o.front.dz[i];
+    const float bx = o.back.x[i], by = o.back.y[i], bz = o.back.z[i], bdx = o.back.dx[i], bdy = o.back.dy[i],
+                bdz = o.back.dz[i];
+    const bool front = x[i] * o.normal_x[i] + y[i] * o.normal_y[i] + z[i] * o.normal_z[i] >= 0;
+    const float size = std::max(std::abs(x[i]), std::max(std::abs(y[i]), std::abs(z[i])));
+    const float shrink = size > kFar ? kShrink : 1.0f;
+    const float ox = front ? fx : bx, oy = front ? fy : by, oz = front ? fz : bz;
+    const float dx = (x[i] + (front ? fdx : bdx)) * shrink, dy = (y[i] + (front ? fdy : bdy)) * shrink,
+                dz = (z[i] + (front ? fdz : bdz)) * shrink;
+    out.org_x[i] = ox, out.org_y[i] = oy, out.org_z[i] = oz;
+    out.dir_x[i] = dx, out.dir_y[i] = dy, out.dir_z[i] = dz;
+    out.tfar[i] = kReach / shrink;
+    out.time[i] = o.time[i];
+    // Sums of magnitudes: finite where all are.
+    const float reach = std::abs(ox) + std::abs(oy) + std::abs(oz),
+                length = std::abs(dx) + std::abs(dy) + std::abs(dz);
+    out.usable[i] = reach < INFINITY && length < INFINITY && length > 0;
+  }
+}
+
 /// Embree sets tfar of a ray that meets something to minus infinity.
 PENUMBRA_VECTORIZED
 void clear_hidden(const float* tfar, float* contribution) {
@@ -73,6 +117,21 @@ ShadowSide side(const SurfacePoint& surface, double sign) {
 }
 
 }  // namespace
+
+ShadowOrigins::ShadowOrigins(const SurfaceColumns& surfaces) : count(surfaces.count) {
+  find_side(surfaces, 1, front);
+  find_side(surfaces, -1, back);
+  for (uint32_t i = 0; i < count; ++i) {
+    normal_x[i] = float(surfaces.geometric_x[i]), normal_y[i] = float(surfaces.geometric_y[i]),
+    normal_z[i] = float(surfaces.geometric_z[i]);
+    time[i] = float(surfaces.time[i]);
+  }
+}
+
+ShadowRayColumns::ShadowRayColumns(const ShadowOrigins& origins, const float* x, const float* y,
+                                   const float* z) {
+  find_rays(origins, x, y, z, *this);
+}
 
 ShadowRays::ShadowRays(const Geometry& geometry, const SurfacePoint& surface, ShadowKind kind)
     : geometry_(geometry),
@@ -127,6 +186,60 @@ void ShadowQueue::flush() {
   }
   traced_ += count_;
   count_ = 0;
+}
+
+uint32_t hide_from_each(const Geometry& geometry, const SurfaceColumns& surfaces, const uint32_t* group,
+                        ShadowKind kind, uint32_t points, const float* x, const float* y, const float* z,
+                        float* contribution) {
+  const uint32_t surface_count = surfaces.count;
+  const ShadowOrigins origins(surfaces);
+  std::optional<ShadowRayColumns> rays[kMostPoints];
+  for (uint32_t k = 0; k < points; ++k)
+    rays[k].emplace(origins, x + k * surface_count, y + k * surface_count, z + k * surface_count);
+  alignas(64) RTCRay16 packet;
+  alignas(64) int valid[kPacket];
+  alignas(64) float transmittance[kPacket];
+  uint8_t channels[kPacket];
+  std::fill_n(packet.tnear, kPacket, 0.0f);
+  std::fill_n(packet.mask, kPacket, kind.mask);
+  std::fill_n(channels, kPacket, kind.channel);
+  uint32_t traced = 0;
+  for (uint32_t begin = 0, end; begin < surface_count; begin = end) {
+    for (end = begin + 1; end < surface_count && end < begin + kShare; ++end)
+      if (group[end] != group[begin]) break;
+    std::fill_n(valid, kPacket, 0);
+    uint32_t count = 0;
+    for (uint32_t k = 0; k < points; ++k) {
+      const uint32_t lane = k * kShare;
+      // kShare of each, though some may be another group's.
+      const auto copy = [=](float* to, const float* from) {
+        std::memcpy(to + lane, from + begin, kShare * sizeof(float));
+      };
+      copy(packet.org_x, rays[k]->org_x), copy(packet.org_y, rays[k]->org_y);
+      copy(packet.org_z, rays[k]->org_z), copy(packet.dir_x, rays[k]->dir_x);
+      copy(packet.dir_y, rays[k]->dir_y), copy(packet.dir_z, rays[k]->dir_z);
+      copy(packet.tfar, rays[k]->tfar), copy(packet.time, rays[k]->time);
+      for (uint32_t i = begin; i < end; ++i) {
+        const bool wanted = contribution[k * surface_count + i] > 0 && rays[k]->usable[i];
+        valid[lane + i - begin] = wanted ? -1 : 0;
+        count += wanted;
+      }
+    }
+    if (count == 0) continue;
+    traced += count;
+    if (geometry.has_transparency()) prepare(packet, transmittance);
+    embree::occluded16(valid, geometry.embree_scene(), packet, &geometry, transmittance, channels);
+    for (uint32_t k = 0; k < points; ++k) {
+      for (uint32_t i = begin; i < end; ++i) {
+        const uint32_t lane = k * kShare + i - begin;
+        if (!valid[lane]) continue;
+        float& left = contribution[k * surface_count + i];
+        left = packet.tfar[lane] < 0 ? 0.0f : left;
+        if (geometry.has_transparency()) left *= transmittance[lane];
+      }
+    }
+  }
+  return traced;
 }
 
 }  // namespace penumbra

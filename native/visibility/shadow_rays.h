@@ -3,6 +3,7 @@
 #pragma once
 
 #include "sampling/sampler.h"
+#include "scene/surface_columns.h"
 #include "visibility/geometry.h"
 
 namespace penumbra {
@@ -38,6 +39,30 @@ class ShadowRays {
   bool usable_;
 };
 
+/// ShadowOrigin of each of many surface points, as columns.
+struct ShadowOrigins {
+  explicit ShadowOrigins(const SurfaceColumns& surfaces);
+
+  struct Side {
+    alignas(64) float x[kBatch], y[kBatch], z[kBatch];     // origin
+    alignas(64) float dx[kBatch], dy[kBatch], dz[kBatch];  // from there to the surface point
+  };
+  alignas(64) float normal_x[kBatch], normal_y[kBatch], normal_z[kBatch];
+  Side front, back;
+  alignas(64) float time[kBatch];
+  uint32_t count;
+};
+
+/// A shadow ray from each of them, as Embree wants it.
+struct ShadowRayColumns {
+  /// x, y, z: from the surface points to what each looks at.
+  ShadowRayColumns(const ShadowOrigins& origins, const float* x, const float* y, const float* z);
+
+  alignas(64) float org_x[kBatch], org_y[kBatch], org_z[kBatch], dir_x[kBatch], dir_y[kBatch], dir_z[kBatch];
+  alignas(64) float tfar[kBatch], time[kBatch];
+  alignas(64) int usable[kBatch];
+};
+
 /// Shadow rays from many shading points to a point each, traced a packet at a time.
 class ShadowQueue {
  public:
@@ -60,5 +85,13 @@ class ShadowQueue {
   uint32_t count_ = 0;
   uint64_t traced_ = 0;
 };
+
+/// As ShadowRays::hide(), for a few points for each of at most kPacket surface points: number k *
+/// surfaces.count + i is point k for surface i. At most kShare neighbours of the same group, and no others,
+/// share a packet: what a ray meets may depend, by rounding, on the rays around it.
+inline constexpr uint32_t kShare = 4, kMostPoints = kPacket / kShare;
+uint32_t hide_from_each(const Geometry& geometry, const SurfaceColumns& surfaces, const uint32_t* group,
+                        ShadowKind kind, uint32_t points, const float* x, const float* y, const float* z,
+                        float* contribution);
 
 }  // namespace penumbra

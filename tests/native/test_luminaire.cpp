@@ -50,22 +50,28 @@ double midpoint_form_factor(const Luminaire& luminaire, const SurfacePoint& surf
   return sum / (double(n) * n);
 }
 
-TEST(Luminaire, APointForEachSurfaceIsThatPointForOne) {
+/// Of flat luminaires, which have their own loop, and of others.
+TEST(Luminaire, PointsForEachSurfaceAreThosePointsForOne) {
   Trials trials(6);
-  for (LuminaireShape shape : {LuminaireShape::kRectangle, LuminaireShape::kEllipse}) {
-    const Luminaire luminaire(light(shape, trials.transform(1), 0.7, 0.4), {});
+  AreaLuminaire narrow = light(LuminaireShape::kRectangle, trials.transform(1), 0.7, 0.4);
+  narrow.spread = 2;
+  const AreaLuminaire wide = light(LuminaireShape::kRectangle, trials.transform(1), 0.7, 0.4),
+                      round = light(LuminaireShape::kEllipse, trials.transform(1), 0.7, 0.4);
+  for (const auto& [description, points] : {std::pair{narrow, 4u}, {wide, 1u}, {wide, 4u}, {round, 4u}}) {
+    const Luminaire luminaire(description, {});
     SurfaceColumns columns;
     std::vector<SurfacePoint> surfaces;
     alignas(64) float u[kBatch], v[kBatch];
     for (uint32_t i = 0; i < kBatch; ++i) {
+      u[i] = float(trials.uniform(0, 1)), v[i] = float(trials.uniform(0, 1));
+      if (i >= kBatch / points) continue;
       surfaces.push_back(surface_at(trials.vector(4), trials.direction()));
       columns.add(surfaces.back());
-      u[i] = float(trials.uniform(0, 1)), v[i] = float(trials.uniform(0, 1));
     }
     LightPoints each, one;
-    luminaire.evaluate_each(columns, u, v, each);
+    luminaire.evaluate_each(columns, u, v, each, points);
     for (uint32_t i = 0; i < kBatch; ++i) {
-      luminaire.evaluate(surfaces[i], &u[i], &v[i], 1, one);
+      luminaire.evaluate(surfaces[i % surfaces.size()], &u[i], &v[i], 1, one);
       EXPECT_EQ(each.x[i], one.x[0]);
       EXPECT_EQ(each.y[i], one.y[0]);
       EXPECT_EQ(each.z[i], one.z[0]);

@@ -71,6 +71,24 @@ TEST(Samplers, PacketsAndLongRunsAgree) {
   });
 }
 
+TEST(Samplers, FirstPointsOfManyStreamsAreThoseOfEach) {
+  for_each_combination([](SamplerKind kind, SampleReuse reuse) {
+    const auto sampler = make_sampler({kind, reuse, 3, 400, false});
+    constexpr uint32_t kCount = 4, kMany = 21;
+    std::vector<StreamKey> keys;
+    for (uint32_t i = 0; i < kMany; ++i) keys.push_back(test::key_of(7 * i));
+    float u[kCount * kMany], v[kCount * kMany];
+    sampler->first_points(keys, kCount, u, v);
+    for (uint32_t i = 0; i < kMany; ++i) {
+      const Points own = points_of(*sampler, 7 * i, kCount);
+      for (uint32_t k = 0; k < kCount; ++k) {
+        ASSERT_EQ(u[k * kMany + i], own.u[k]);
+        ASSERT_EQ(v[k * kMany + i], own.v[k]);
+      }
+    }
+  });
+}
+
 TEST(Samplers, SameIsTheSameEverywhereAndTheOthersDiffer) {
   for_each_combination([](SamplerKind kind, SampleReuse reuse) {
     const auto sampler = make_sampler({kind, reuse, 5, 64, false});
