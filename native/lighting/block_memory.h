@@ -2,7 +2,7 @@
 // Large arrays that one block after the other uses.
 #pragma once
 
-#include <any>
+#include <memory>
 #include <typeindex>
 #include <unordered_map>
 #include <utility>
@@ -22,7 +22,15 @@ class BlockMemory {
   template <typename T>
   friend class Reused;
 
-  std::unordered_map<std::type_index, std::vector<std::any>> idle_;  // vectors, by the type of their elements
+  struct Idle {
+    virtual ~Idle() = default;
+  };
+  template <typename T>
+  struct IdleVector : Idle {
+    explicit IdleVector(std::vector<T> v) : vector(std::move(v)) {}
+    std::vector<T> vector;
+  };
+  std::unordered_map<std::type_index, std::vector<std::unique_ptr<Idle>>> idle_;  // by the elements' type
 };
 
 /// A vector in the memory of one that is no longer used. The BlockMemory must live longer.
@@ -31,7 +39,7 @@ class Reused : public std::vector<T> {
  public:
   explicit Reused(BlockMemory& memory) : idle_(memory.idle_[typeid(T)]) {
     if (idle_.empty()) return;
-    this->swap(std::any_cast<std::vector<T>&>(idle_.back()));
+    this->swap(static_cast<BlockMemory::IdleVector<T>&>(*idle_.back()).vector);
     idle_.pop_back();
   }
   Reused(BlockMemory& memory, size_t size, const T& value = {}) : Reused(memory) {
@@ -42,13 +50,13 @@ class Reused : public std::vector<T> {
   ~Reused() {
     this->clear();  // what its elements own is not kept
     try {
-      idle_.emplace_back(std::in_place_type<std::vector<T>>, std::move(*this));
+      idle_.push_back(std::make_unique<BlockMemory::IdleVector<T>>(std::move(*this)));
     } catch (...) {  // no memory for it: then this goes, too
     }
   }
 
  private:
-  std::vector<std::any>& idle_;
+  std::vector<std::unique_ptr<BlockMemory::Idle>>& idle_;
 };
 
 }  // namespace penumbra

@@ -40,8 +40,11 @@ class FilteredBlock {
   template <typename Function>
   void for_tiles(Function function);
   void first_look();
+  void compare(uint32_t p);
   void trace_each(std::span<const uint32_t> pixels, uint32_t first, uint32_t count);
   void add_light(std::span<const SampleRun> runs);
+  void add_to(Slot& slot, const SlotColumns& column, uint32_t lane, uint32_t count,
+              VectorColumns& values) const;
   void fit_plane(const SampleRun& run, uint32_t lane);
   void mark_uncertain(uint32_t p, uint32_t s);
   void mark_unseen(uint32_t p);
@@ -63,7 +66,7 @@ class FilteredBlock {
   Block block_;
   double display_scale_, tolerance_;
   int dimensions_;
-  std::vector<FilteredPixel> pixels_;
+  Reused<FilteredPixel> pixels_;
   FilteredFrame frame_;
   SamplePacket packet_;
   CentreLight centres_;
@@ -78,10 +81,11 @@ FilteredBlock::FilteredBlock(const RenderContext& context, const Rectangle& core
       display_scale_(std::exp2(context.settings.exposure)),
       tolerance_(context.settings.error_tolerance),
       dimensions_(context.pixel_rays.dimensions()),
-      pixels_(block_.pixels()),
+      pixels_(context.memory),
       frame_(make_frame(context, area_, block_)),
       packet_(context, frame_, tally),
       centres_(context, block_, frame_, pixels_, tally) {
+  pixels_.resize(block_.pixels());
   if (tally.light.trace) aim(*tally.light.trace, area_);
   if (c_.extras.any()) parts_ = std::make_unique<FilteredParts>(c_, frame_, block_.pixels());
 }
@@ -128,9 +132,21 @@ void FilteredBlock::for_tiles(Function function) {
                          std::min(kTile, block_.core_height - y)});
 }
 
-/// Four samples of every pixel.
+/// Four samples of every pixel; edges between it and its neighbours are found while those are in the cache.
 void FilteredBlock::first_look() {
-  for_quads([this](std::span<const uint32_t> quad) { trace_each(quad, 0, kFirstSamples); });
+  for_quads([this](std::span<const uint32_t> quad) {
+    trace_each(quad, 0, kFirstSamples);
+    for (uint32_t p : quad) compare(p);
+  });
+}
+
+/// With the pixels left and below, which were looked at before.
+void FilteredBlock::compare(uint32_t p) {
+  const auto edge = [&](uint32_t q) {
+    frame_.edge[q] = frame_.edge[q] || edge_between(pixels_[q].first, pixels_[p].first);
+  };
+  if (p % block_.width > 0) edge(p - 1);
+  if (p >= block_.width) edge(p - block_.width);
 }
 
 /// Samples [first, first + count) of some pixels, as many pixels a packet as fit.
@@ -146,21 +162,16 @@ void FilteredBlock::trace_each(std::span<const uint32_t> pixels, uint32_t first,
 
 /// Adds what the packet found to its pixels' sums.
 void FilteredBlock::add_light(std::span<const SampleRun> runs) {
-  Vec3d values[kPacket];
+  VectorColumns values;
   uint32_t lane = 0;
   for (const SampleRun& run : runs)
-    for (uint32_t i = 0; i < run.count; ++i, ++lane) values[lane] = packet_.ends[lane].background;
-  for (const Contribution& one : packet_.contributions()) {
-    Slot& slot = slots(packet_.pixel(one.lane))[one.slot];
-    const bool traced = one.ray != kNoRay, seen = traced ? packet_.sees(one) : slot.lit;
-    slot.now.unshadowed += one.unshadowed;
-    if (seen) values[one.lane] += one.unshadowed;
-    if (!traced) continue;
-    ++slot.rays;
-    slot.now.w += one.weight;
-    slot.now.wv += seen ? one.weight : 0.0;
-    (seen ? slot.lit : slot.dark) = true;
-    slot.uncertain = slot.uncertain || (slot.lit && slot.dark);
+    for (uint32_t i = 0; i < run.count; ++i, ++lane) values.set(lane, packet_.ends[lane].background);
+  for (const SlotColumns& column : packet_.contributions()) {
+    lane = 0;
+    for (const SampleRun& run : runs) {
+      add_to(slots(run.pixel)[column.slot], column, lane, run.count, values);
+      lane += run.count;
+    }
   }
   lane = 0;
   for (const SampleRun& run : runs) {
@@ -169,7 +180,7 @@ void FilteredBlock::add_light(std::span<const SampleRun> runs) {
     if (run.first == 0) fit_plane(run, lane);
     for (uint32_t i = 0; i < run.count; ++i, ++lane) {
       const PathEnd& end = packet_.ends[lane];
-      const double x = max_component(values[lane]) * display_scale_;
+      const double x = max_component(values.get(lane)) * display_scale_;
       pixel.background += end.background;
       pixel.alpha += end.alpha;
       pixel.x += x;
@@ -180,6 +191,24 @@ void FilteredBlock::add_light(std::span<const SampleRun> runs) {
     pixel.count = run.first + run.count;
   }
   if (parts_) parts_->add(packet_, runs);
+}
+
+/// Adds `count` lanes to one pixel's slot, and what each of them sees to its value.
+void FilteredBlock::add_to(Slot& slot, const SlotColumns& column, uint32_t lane, uint32_t count,
+                           VectorColumns& values) const {
+  for (const uint32_t end = lane + count; lane < end; ++lane) {
+    if (!column.arrives(lane)) continue;
+    const Vec3d unshadowed = column.unshadowed.get(lane);
+    const bool traced = column.traced(lane), seen = traced ? packet_.sees(column, lane) : slot.lit;
+    slot.now.unshadowed += unshadowed;
+    if (seen) values.set(lane, values.get(lane) + unshadowed);
+    if (!traced) continue;
+    ++slot.rays;
+    slot.now.w += column.weight[lane];
+    slot.now.wv += seen ? column.weight[lane] : 0.0;
+    (seen ? slot.lit : slot.dark) = true;
+    slot.uncertain = slot.uncertain || (slot.lit && slot.dark);
+  }
 }
 
 /// The first samples' plane: unshadowed values at the pixel's centre, and how far they are from being a
@@ -195,10 +224,14 @@ void FilteredBlock::fit_plane(const SampleRun& run, uint32_t lane) {
     residual += ends[i].background * fit.r[i];
     uncertain = uncertain || ends[i].object != ends[0].object || ends[i].lights != ends[0].lights;
   }
-  for (const Contribution& one : packet_.contributions()) {
-    if (one.lane - lane >= kFirstSamples) continue;  // another pixel's; wraps below
-    slots(run.pixel)[one.slot].fitted += one.unshadowed * fit.h[one.lane - lane];
-    residual += one.unshadowed * fit.r[one.lane - lane];
+  for (const SlotColumns& column : packet_.contributions()) {
+    Vec3d& fitted = slots(run.pixel)[column.slot].fitted;
+    for (uint32_t i = 0; i < kFirstSamples; ++i) {
+      if (!column.arrives(lane + i)) continue;
+      const Vec3d unshadowed = column.unshadowed.get(lane + i);
+      fitted += unshadowed * fit.h[i];
+      residual += unshadowed * fit.r[i];
+    }
   }
   pixel.residual = max_abs(residual) * display_scale_;
   frame_.uncertain[run.pixel] = uncertain || pixel.residual > kResidualShare * tolerance_;
@@ -206,16 +239,11 @@ void FilteredBlock::fit_plane(const SampleRun& run, uint32_t lane) {
 
 void FilteredBlock::find_uncertain() {
   std::vector<uint8_t>& edges = frame_.edge;
-  for (uint32_t p = 0; p < block_.pixels(); ++p) {
-    const uint32_t x = p % block_.width, y = p / block_.width;
-    bool edge = frame_.uncertain[p] || c_.pixel_rays.spread();
-    if (x + 1 < block_.width) edge = edge || edge_between(pixels_[p].first, pixels_[p + 1].first);
-    if (y + 1 < block_.height) edge = edge || edge_between(pixels_[p].first, pixels_[p + block_.width].first);
-    edges[p] = edge;
-  }
+  for (uint32_t p = 0; p < block_.pixels(); ++p)
+    edges[p] = edges[p] || frame_.uncertain[p] || c_.pixel_rays.spread();
   spread(edges, block_.width, block_.height, c_.filter.reach());
   frame_.uncertain = edges;
-  std::vector<uint8_t> flags(block_.pixels()), blind(block_.pixels());
+  Reused<uint8_t> flags(c_.memory, block_.pixels()), blind(c_.memory, block_.pixels());
 
   for (uint32_t s = 0; s < frame_.slot_count; ++s) {
     constexpr uint8_t kLit = 1, kDark = 2;
@@ -250,7 +278,7 @@ void FilteredBlock::mark_unseen(uint32_t p) {
 /// Where the first 16 points or samples of an uncertain pixel find penumbra, its neighbours may have it too.
 void FilteredBlock::flood() {
   for_quads([this](std::span<const uint32_t> quad) { start(quad, kFloodReach); });
-  std::vector<uint8_t> flags(block_.pixels());
+  Reused<uint8_t> flags(c_.memory, block_.pixels());
   for (uint32_t s = 0; s < frame_.slot_count; ++s) {
     for (uint32_t p = 0; p < block_.pixels(); ++p)
       flags[p] =

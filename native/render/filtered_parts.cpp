@@ -37,9 +37,10 @@ void FilteredParts::add(const SamplePacket& packet, std::span<const SampleRun> r
     }
   }
   if (mirrored_.empty()) return;
-  for (const Contribution& one : packet.contributions())
-    if (packet.mirrored(one))
-      mirrored_[size_t(packet.pixel(one.lane)) * frame_.slot_count + one.slot] += one.unshadowed;
+  for (const SlotColumns& column : packet.contributions())
+    for (uint32_t i = 0; i < lane; ++i)
+      if (column.arrives(i) && packet.mirrored(column, i))
+        mirrored_[size_t(packet.pixel(i)) * frame_.slot_count + column.slot] += column.unshadowed.get(i);
 }
 
 /// As FilteredBlock::write() has them for Combined.

@@ -66,7 +66,11 @@ PathTracer::PathTracer(const Scene& scene, const Geometry& geometry, const Mater
       length_(mirror_depth_ + 1 + (scene.has_transparency() ? kMaxLitPassed : 0)),
       perspective_(scene.camera().kind == CameraKind::kPerspective),
       scale_(geometry.normalization().scale),
-      pixel_(std::abs(scene.camera().window.right - scene.camera().window.left) / settings.width) {}
+      pixel_(std::abs(scene.camera().window.right - scene.camera().window.left) / settings.width) {
+  for (const Material& m : scene.materials())
+    ends_paths_.push_back(seen_.empty() && !m.program && m.emission == Vec3d{} && m.mirror == Vec3d{} &&
+                          m.transparency == Vec3d{} && m.holdout == 0);
+}
 
 /// What a part sees that meets nothing.
 void PathTracer::leave(const Part& part, PathEnd& end, const PathRecord* record) const {
@@ -97,6 +101,13 @@ void PathTracer::see_luminaires(const Part& part, double t_far, PathEnd& end,
   }
 }
 
+/// The data passes show that surface; t: of the primary ray before.
+void PathTracer::see(const SurfacePoint& surface, const Hit& hit, double t, PathEnd& end) const {
+  end.hit = true;
+  end.object = &geometry_.name_of(hit);
+  end.first = {surface.position, surface.geometric_normal, surface.normal, t + surface.t};
+}
+
 void PathTracer::follow(const HitColumns& found, uint32_t ray, uint32_t pixel, uint64_t stream,
                         std::vector<LitPoint>& points, uint64_t& mirror_rays, PathEnd& end,
                         const PathRecord* record) const {
@@ -106,6 +117,23 @@ void PathTracer::follow(const HitColumns& found, uint32_t ray, uint32_t pixel, u
   end.lights = 0;
   end.hit = false;
   end.object = nullptr;
+  // Most rays: nothing is seen but one opaque surface, by nobody else.
+  if (const Hit& hit = found.hits[ray]; !record && hit.found()) {
+    const uint32_t material = geometry_.material_of(hit);
+    if (ends_paths_[material] && !geometry_.traits_of(hit.instance).holdout) {
+      LitPoint& point = points.emplace_back();
+      geometry_.surface_point(found, ray, point.surface);
+      see(point.surface, hit, 0, end);
+      point.ray_direction = found.rays[ray].direction;
+      point.material = &scene_.materials()[material];
+      point.throughput = {1, 1, 1};
+      point.stream = stream * length();
+      point.pixel = pixel;
+      point.bounce = 0;
+      point.mirrored = false;
+      return;
+    }
+  }
   uint32_t lit = 0, rays = 0;
   std::vector<Part> waiting;  // mirrors in surfaces that the path went through
   Part part(found.rays[ray], found.hits[ray], perspective_ ? 0 : pixel_ * scale_);
@@ -121,10 +149,12 @@ void PathTracer::follow(const HitColumns& found, uint32_t ray, uint32_t pixel, u
       const size_t number = points.size();
       LitPoint& point = points.emplace_back();
       SurfacePoint& surface = point.surface;
-      if (rays == 0)
+      if (rays == 0) {
         geometry_.surface_point(found, ray, surface);
-      else
+        geometry_.surface_place(found, ray, surface.place);
+      } else {
         geometry_.surface_point(part.ray, part.hit, surface);
+      }
       const ObjectTraits& traits = geometry_.traits_of(part.hit.instance);
       const Material& material = scene_.materials()[surface.material];
       const double t = surface.t;
@@ -142,9 +172,7 @@ void PathTracer::follow(const HitColumns& found, uint32_t ray, uint32_t pixel, u
       const double through = closures.transparency == Vec3d{} ? 0 : average(closures.transparency);
       if (is_hole && !end.object) end.object = &geometry_.name_of(part.hit);
       if (!is_hole && !end.hit && part.from_camera() && 1 - through > kSeenOpacity) {
-        end.hit = true;
-        end.object = &geometry_.name_of(part.hit);
-        end.first = {surface.position, surface.geometric_normal, surface.normal, part.t + t};
+        see(surface, part.hit, part.t, end);
         if (record && record->seen) *record->seen = {part.hit.instance, surface.material, surface.place};
       }
       if (record)

@@ -6,6 +6,7 @@
 
 #include "lighting/bounded_item.h"
 #include "lighting/lobe_colours.h"
+#include "math/simd.h"
 #include "sampling/hash.h"
 
 namespace penumbra {
@@ -14,7 +15,56 @@ namespace {
 /// Share of the tolerance that dim luminaires may be charged for being left out of the ray count.
 constexpr double kDropShare = 0.125;
 
+constexpr int32_t kNoColumn = -1;
+
+/// What Lambert's lobe reflects of a luminaire: unshadowed radiance by the closed form, the largest of its r,
+/// g, b in display units, and that of the sampled point.
+struct LambertColumns {
+  alignas(64) double red[kBatch], green[kBatch], blue[kBatch], size[kBatch], weight[kBatch];
+};
+
+/// albedo: red, green and blue of each point. sampled: summands of the form factors.
+PENUMBRA_VECTORIZED
+void reflect_diffusely(const double (&albedo)[3][kBatch], uint32_t count, const Vec3d& radiance,
+                       double display_scale, const double* form_factors, const float* sampled,
+                       LambertColumns& __restrict out) {
+  const Vec3d light = radiance;
+  for (uint32_t i = 0; i < count; ++i) {
+    const double f = form_factors[i], red = albedo[0][i] * light.x * f, green = albedo[1][i] * light.y * f,
+                 blue = albedo[2][i] * light.z * f;
+    const double a = std::abs(red), b = std::abs(green), c = std::abs(blue), ab = a < b ? b : a;
+    const double size = (ab < c ? c : ab) * display_scale;
+    out.red[i] = red, out.green[i] = green, out.blue[i] = blue;
+    out.size[i] = size;
+    out.weight[i] = size * double(sampled[i]) / f;
+  }
+}
+
 }  // namespace
+
+/// Surface points [begin, end), as columns.
+struct SamplePacket::Batch {
+  Batch(const LitPoint* points, uint32_t first, uint32_t last);
+
+  uint32_t begin, end;
+  SurfaceColumns surfaces;
+  uint32_t lane[kBatch], bounce[kBatch];
+  /// Of Lambert's lobe, by r, g, b, with the mirrors before it; not where there is more than that.
+  alignas(64) double albedo[3][kBatch];
+  bool lambert[kBatch];
+};
+
+SamplePacket::Batch::Batch(const LitPoint* points, uint32_t first, uint32_t last) : begin(first), end(last) {
+  for (uint32_t i = 0; i < end - begin; ++i) {
+    const LitPoint& point = points[begin + i];
+    surfaces.add(point.surface);
+    lane[i] = point.pixel;
+    bounce[i] = point.bounce;
+    lambert[i] = !point.material->has_diffuse_lobes && !point.material->has_glossy();
+    const Vec3d colour = point.throughput * point.material->diffuse;
+    albedo[0][i] = colour.x, albedo[1][i] = colour.y, albedo[2][i] = colour.z;
+  }
+}
 
 FilteredFrame make_frame(const RenderContext& c, const Rectangle& area, const Block& block) {
   const bool glossy =
@@ -24,7 +74,7 @@ FilteredFrame make_frame(const RenderContext& c, const Rectangle& area, const Bl
           block.width,
           glossy,
           slots,
-          std::vector<Slot>(size_t(block.pixels()) * slots),
+          {c.memory, size_t(block.pixels()) * slots},
           std::vector<uint8_t>(block.pixels()),
           std::vector<uint8_t>(block.pixels())};
 }
@@ -37,7 +87,8 @@ SamplePacket::SamplePacket(const RenderContext& context, const FilteredFrame& fr
       tolerance_(context.settings.error_tolerance),
       luminaires_(uint32_t(context.luminaires.size())),
       lobes_(frame.glossy ? 2 : 1),
-      queue_(context.geometry) {
+      queue_(context.geometry),
+      column_of_(frame.slot_count, kNoColumn) {
   if (c_.extras.want_parts()) parts.emplace(kPacket, c_.extras.light_groups());
   if (c_.extras.want_mattes()) mattes.resize(kPacket);
   if (c_.extras.any()) seen.resize(kPacket);
@@ -50,24 +101,33 @@ uint64_t SamplePacket::frame_pixel(uint32_t p) const {
          p % frame_.block_width;
 }
 
-bool SamplePacket::mirrored(const Contribution& one) const {
-  const uint32_t bounce = one.slot / lobes_ / luminaires_;
+bool SamplePacket::mirrored(const SlotColumns& column, uint32_t lane) const {
+  const uint32_t bounce = column.slot / lobes_ / luminaires_;
   return std::ranges::any_of(
-      points_, [&](const LitPoint& p) { return p.pixel == one.lane && p.bounce == bounce && p.mirrored; });
+      points_, [&](const LitPoint& p) { return p.pixel == lane && p.bounce == bounce && p.mirrored; });
+}
+
+/// Those of a slot, begun if it is new to the packet.
+SlotColumns& SamplePacket::columns_of(uint32_t slot) {
+  if (column_of_[slot] == kNoColumn) {
+    column_of_[slot] = int32_t(contributions_.size());
+    contributions_.emplace_back(slot);
+  }
+  return contributions_[size_t(column_of_[slot])];
 }
 
 void SamplePacket::trace(std::span<const SampleRun> runs) {
   tally_.light.stop_if_cancelled();
   find_points(runs);
+  for (const SlotColumns& column : contributions_) column_of_[column.slot] = kNoColumn;
   contributions_.clear();
   dropped_.clear();
   visible_.clear();
   const uint64_t traced_before = queue_.traced();
   for (uint32_t begin = 0; begin < points_.size(); begin += kBatch) {
-    const uint32_t end = std::min(begin + kBatch, uint32_t(points_.size()));
-    SurfaceColumns columns;
-    for (uint32_t k = begin; k < end; ++k) columns.add(points_[k].surface);
-    for (uint32_t l = 0; l < luminaires_; ++l) light(runs, l, begin, end, columns);
+    const Batch batch(points_.data(), begin, std::min(begin + kBatch, uint32_t(points_.size())));
+    const ShadowOrigins origins(batch.surfaces);
+    for (uint32_t l = 0; l < luminaires_; ++l) light(runs, l, batch, origins);
   }
   queue_.flush();
   if (!dropped_.empty()) add_dropped();
@@ -108,22 +168,22 @@ void SamplePacket::find_points(std::span<const SampleRun> runs) {
   }
 }
 
-/// A point of the luminaire for each of the surface points [begin, end).
-void SamplePacket::place_on_light(std::span<const SampleRun> runs, uint32_t luminaire, uint32_t begin,
-                                  uint32_t end, float* u, float* v) const {
+/// A point of the luminaire for each surface point.
+void SamplePacket::place_on_light(std::span<const SampleRun> runs, uint32_t luminaire, const Batch& batch,
+                                  float* u, float* v) const {
   alignas(64) float lane_u[kPacket], lane_v[kPacket];
   SampleRange ranges[kPacket];
   uint32_t lane = 0;
   for (size_t r = 0; r < runs.size(); lane += runs[r++].count)
     ranges[r] = {hash_of(lanes_[lane].frame_pixel, luminaire * lobes_), runs[r].first, runs[r].count};
   c_.pixel_light_sampler.light({ranges, runs.size()}, lane_u, lane_v);
-  for (uint32_t k = begin; k < end; ++k) {
-    const Lane& at = lanes_[points_[k].pixel];
-    u[k - begin] = lane_u[points_[k].pixel], v[k - begin] = lane_v[points_[k].pixel];
-    if (points_[k].bounce == 0) continue;
-    const uint32_t slot = (points_[k].bounce * luminaires_ + luminaire) * lobes_;
+  for (uint32_t i = 0; i < batch.surfaces.count; ++i) {
+    u[i] = lane_u[batch.lane[i]], v[i] = lane_v[batch.lane[i]];
+    if (batch.bounce[i] == 0) continue;
+    const Lane& at = lanes_[batch.lane[i]];
+    const uint32_t slot = (batch.bounce[i] * luminaires_ + luminaire) * lobes_;
     const SampleRange one{hash_of(at.frame_pixel, slot), at.index, 1};
-    c_.pixel_light_sampler.light({&one, 1}, u + (k - begin), v + (k - begin));
+    c_.pixel_light_sampler.light({&one, 1}, u + i, v + i);
   }
 }
 
@@ -135,72 +195,88 @@ bool SamplePacket::wants_ray(const Lane& lane, const Slot& slot, uint32_t lumina
   return frame_.edge[lane.pixel] && (lane.index + luminaire) % luminaires_ == 0;
 }
 
-int64_t SamplePacket::add_ray(const LitPoint& lit, const Luminaire& luminaire, const Vec3f& to_light) {
-  visible_.push_back(1);
-  ++rays_of[lit.pixel];
-  if (luminaire.casts_shadow()) queue_.add(lit.surface, to_light, luminaire.shadow_kind(), visible_.back());
-  return int64_t(visible_.size()) - 1;
-}
-
-/// What one luminaire sends to the surface points [begin, end).
-void SamplePacket::light(std::span<const SampleRun> runs, uint32_t l, uint32_t begin, uint32_t end,
-                         const SurfaceColumns& columns) {
+/// What one luminaire sends to the surface points.
+void SamplePacket::light(std::span<const SampleRun> runs, uint32_t l, const Batch& batch,
+                         const ShadowOrigins& origins) {
   const Luminaire& luminaire = c_.luminaires[l];
+  const uint32_t count = batch.surfaces.count;
   alignas(64) double form_factors[kBatch];
   alignas(64) float u[kBatch], v[kBatch];
   LightPoints on_light;
-  luminaire.form_factors(columns, form_factors);
-  place_on_light(runs, l, begin, end, u, v);
-  luminaire.evaluate_each(columns, u, v, on_light);
-  for (uint32_t k = begin; k < end; ++k) {
-    const LitPoint& lit = points_[k];
-    const uint32_t lane = lit.pixel, i = k - begin;
+  LambertColumns lambert;
+  luminaire.form_factors(batch.surfaces, form_factors);
+  place_on_light(runs, l, batch, u, v);
+  luminaire.evaluate_each(batch.surfaces, u, v, on_light);
+  reflect_diffusely(batch.albedo, count, luminaire.role().diffuse ? luminaire.radiance() : Vec3d{},
+                    display_scale_, form_factors, on_light.form_factor, lambert);
+  const ShadowRayColumns rays(origins, on_light.x, on_light.y, on_light.z);
+  for (uint32_t i = 0; i < count; ++i) {
+    const uint32_t lane = batch.lane[i];
     if (form_factors[i] <= 0) {
       ++tally_.light.decided_without_ray;
       continue;
     }
-    const ShadingPoint shading(lit.surface, *lit.material, lit.ray_direction);
-    const Vec3d arriving = lit.throughput * luminaire.radiance();
-    const DiffuseColour colour = diffuse_colour(shading, luminaire);
-    const Vec3d diffuse = arriving * colour.mean * form_factors[i];
-    const double size = max_abs(diffuse) * display_scale_;
+    const LitPoint& lit = points_[batch.begin + i];
+    Reflected light{{lambert.red[i], lambert.green[i], lambert.blue[i]}, lambert.size[i], lambert.weight[i]};
+    const float sampled = on_light.form_factor[i];
+    const Vec3f to_light(on_light.x[i], on_light.y[i], on_light.z[i]);
+    if (!batch.lambert[i]) light = reflected_by_lobes(lit, luminaire, form_factors[i], to_light, sampled);
     // Too dim for a ray.
-    if (luminaires_ > 1 && !shading.has_glossy && charge[lane] + size / 2 <= kDropShare * tolerance_) {
-      charge[lane] += size / 2;
+    if (luminaires_ > 1 && !light.may_be_glossy && charge[lane] + light.size / 2 <= kDropShare * tolerance_) {
+      charge[lane] += light.size / 2;
       ++tally_.light.decided_without_ray;
-      dropped_.push_back({k, l, diffuse});
+      dropped_.push_back({batch.begin + i, l, light.diffuse});
       continue;
     }
-    const uint32_t s = (lit.bounce * luminaires_ + l) * lobes_;
+    const uint32_t s = (batch.bounce[i] * luminaires_ + l) * lobes_;
     const Slot* slot = &frame_.of_pixel(lanes_[lane].pixel)[s];
     const bool wanted = wants_ray(lanes_[lane], *slot, l) || (frame_.glossy && slot[1].uncertain);
-    const Vec3f to_light(on_light.x[i], on_light.y[i], on_light.z[i]);
-    const float sampled = on_light.form_factor[i];
-    const int64_t ray = wanted && sampled > 0 ? add_ray(lit, luminaire, to_light) : kNoRay;
-    if (size > 0) {
-      float weight = sampled;
-      weigh_diffuse(shading, &to_light.x, &to_light.y, &to_light.z, 1, &weight);
-      const double mean = form_factors[i] * colour.weight;
-      contributions_.push_back({lane, s, diffuse, size * double(weight) / mean, ray});
+    int32_t ray = SlotColumns::kNoRay;
+    if (wanted && sampled > 0) {
+      ray = int32_t(visible_.size());
+      visible_.push_back(1);
+      ++rays_of[lane];
+      if (luminaire.casts_shadow()) queue_.add(rays, i, luminaire.shadow_kind(), visible_.back());
     }
-    if (!shading.has_glossy || !luminaire.role().glossy) continue;
-    // No closed form: the sampled value itself stands for the unshadowed one.
-    Reflection lobe;
-    add_reflection(shading, &to_light.x, &to_light.y, &to_light.z, &sampled, 1, lobe);
-    const Vec3d specular = lit.material->has_glossy_lobes ? arriving * lobe.glossy
-                                                          : arriving * lit.material->phong * lobe.weight;
-    if (lobe.weight > 0)
-      contributions_.push_back({lane, s + 1, specular, max_abs(specular) * display_scale_, ray});
+    if (light.size > 0) columns_of(s).set(lane, light.diffuse, light.weight, ray);
+    if (light.glossy_weight > 0)
+      columns_of(s + 1).set(lane, light.glossy, max_abs(light.glossy) * display_scale_, ray);
   }
+}
+
+/// The same as LambertColumns have, where there is more.
+SamplePacket::Reflected SamplePacket::reflected_by_lobes(const LitPoint& lit, const Luminaire& luminaire,
+                                                         double form_factor, const Vec3f& to_light,
+                                                         float sampled) const {
+  const ShadingPoint shading(lit.surface, *lit.material, lit.ray_direction);
+  const Vec3d arriving = lit.throughput * luminaire.radiance();
+  const DiffuseColour colour = diffuse_colour(shading, luminaire);
+  Reflected light{arriving * colour.mean * form_factor};
+  light.size = max_abs(light.diffuse) * display_scale_;
+  float weight = sampled;
+  weigh_diffuse(shading, &to_light.x, &to_light.y, &to_light.z, 1, &weight);
+  light.weight = light.size * double(weight) / (form_factor * colour.weight);
+  light.may_be_glossy = shading.has_glossy;
+  if (!shading.has_glossy || !luminaire.role().glossy) return light;
+  // No closed form: the sampled value itself stands for the unshadowed one.
+  Reflection lobe;
+  add_reflection(shading, &to_light.x, &to_light.y, &to_light.z, &sampled, 1, lobe);
+  light.glossy = lit.material->has_glossy_lobes ? arriving * lobe.glossy
+                                                : arriving * lit.material->phong * lobe.weight;
+  light.glossy_weight = lobe.weight;
+  return light;
 }
 
 /// A sample sees of the dropped luminaires what it sees of the others.
 void SamplePacket::add_dropped() {
   uint32_t lit[kPacket] = {}, dark[kPacket] = {};
-  for (const Contribution& one : contributions_) {
-    const bool seen = one.ray != kNoRay ? sees(one) : frame_.of_pixel(pixel(one.lane))[one.slot].lit;
-    ++(seen ? lit : dark)[one.lane];
-  }
+  for (const SlotColumns& column : contributions_)
+    for (uint32_t lane = 0; lane < kPacket; ++lane) {
+      if (!column.arrives(lane)) continue;
+      const bool seen =
+          column.traced(lane) ? sees(column, lane) : frame_.of_pixel(pixel(lane))[column.slot].lit;
+      ++(seen ? lit : dark)[lane];
+    }
   for (const Dropped& one : dropped_) {
     const LitPoint& at = points_[one.point];
     const double share = expected_share(lit[at.pixel], dark[at.pixel]);

@@ -17,14 +17,25 @@ struct SampleRun {
   uint32_t first, count;
 };
 
-/// What one sample gets from one slot.
-struct Contribution {
-  uint32_t lane, slot;
-  Vec3d unshadowed;
-  double weight;  // of the sampled point on the luminaire, display units
-  int64_t ray;    // number among the packet's shadow rays; kNoRay: none was wanted
+/// What a packet's samples get from one slot, by lane.
+struct SlotColumns {
+  static constexpr int32_t kNoRay = -1;    // none was wanted
+  static constexpr int32_t kNothing = -2;  // nothing arrives, the rest is not set
+
+  uint32_t slot;
+  VectorColumns unshadowed;
+  double weight[kPacket];  // of the sampled point on the luminaire, display units
+  int32_t ray[kPacket];    // number among the packet's shadow rays
+
+  explicit SlotColumns(uint32_t s) : slot(s) { std::fill_n(ray, kPacket, kNothing); }
+  void set(uint32_t lane, const Vec3d& light, double w, int32_t r) {
+    unshadowed.set(lane, light);
+    weight[lane] = w;
+    ray[lane] = r;
+  }
+  bool arrives(uint32_t lane) const { return ray[lane] != kNothing; }
+  bool traced(uint32_t lane) const { return ray[lane] >= 0; }
 };
-inline constexpr int64_t kNoRay = -1;
 
 /// Where the pixels of a block are, and their slots.
 struct FilteredFrame {
@@ -32,7 +43,7 @@ struct FilteredFrame {
   uint32_t block_width;
   bool glossy;  // some material has such a lobe: two slots for each luminaire and bounce
   uint32_t slot_count;
-  std::vector<Slot> slots;         // by pixel
+  Reused<Slot> slots;              // by pixel
   std::vector<uint8_t> edge;       // by pixel: needs samples all over the filter
   std::vector<uint8_t> uncertain;  // by pixel: the first look is not enough
 
@@ -65,25 +76,37 @@ class SamplePacket {
 
   uint32_t pixel(uint32_t lane) const { return lanes_[lane].pixel; }
 
-  const std::vector<Contribution>& contributions() const { return contributions_; }
+  const std::vector<SlotColumns>& contributions() const { return contributions_; }
   /// It came by way of mirrors.
-  bool mirrored(const Contribution& one) const;
-  bool sees(const Contribution& one) const { return visible_[size_t(one.ray)]; }
+  bool mirrored(const SlotColumns& column, uint32_t lane) const;
+  /// For a lane with a ray.
+  bool sees(const SlotColumns& column, uint32_t lane) const { return visible_[size_t(column.ray[lane])]; }
 
  private:
   struct Lane {
     uint32_t pixel, index;
     uint64_t frame_pixel;
   };
+  struct Batch;
   uint64_t frame_pixel(uint32_t p) const;
   void find_points(std::span<const SampleRun> runs);
-  void light(std::span<const SampleRun> runs, uint32_t luminaire, uint32_t begin, uint32_t end,
-             const SurfaceColumns& columns);
-  void place_on_light(std::span<const SampleRun> runs, uint32_t luminaire, uint32_t begin, uint32_t end,
-                      float* u, float* v) const;
+  void light(std::span<const SampleRun> runs, uint32_t luminaire, const Batch& batch,
+             const ShadowOrigins& origins);
+  /// What a surface point sends on of a luminaire.
+  struct Reflected {
+    Vec3d diffuse;                // unshadowed, by the closed form
+    double size = 0, weight = 0;  // of all of it and of the sampled point, display units
+    bool may_be_glossy = false;
+    Vec3d glossy = {};  // unshadowed, of the sampled point
+    double glossy_weight = 0;
+  };
+  Reflected reflected_by_lobes(const LitPoint& lit, const Luminaire& luminaire, double form_factor,
+                               const Vec3f& to_light, float sampled) const;
+  void place_on_light(std::span<const SampleRun> runs, uint32_t luminaire, const Batch& batch, float* u,
+                      float* v) const;
   bool wants_ray(const Lane& lane, const Slot& slot, uint32_t luminaire) const;
   void add_dropped();
-  int64_t add_ray(const LitPoint& lit, const Luminaire& luminaire, const Vec3f& to_light);
+  SlotColumns& columns_of(uint32_t slot);
 
   const RenderContext& c_;
   const FilteredFrame& frame_;
@@ -93,7 +116,8 @@ class SamplePacket {
   ShadowQueue queue_;
   Lane lanes_[kPacket];
   std::vector<LitPoint> points_;  // LitPoint::pixel is the lane
-  std::vector<Contribution> contributions_;
+  std::vector<SlotColumns> contributions_;
+  std::vector<int32_t> column_of_;  // by slot: its number among them
   /// A diffuse lobe's unshadowed light from a luminaire that is too dim for a ray.
   struct Dropped {
     uint32_t point, luminaire;  // of points_

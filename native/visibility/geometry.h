@@ -41,7 +41,9 @@ class Geometry {
   /// vertices. The columns are good as long as the rays are, and hold what surface_point() wants to know of
   /// a ray whose hit was found.
   void find_surfaces(const Ray* rays, uint32_t count, HitColumns& out) const;
+  /// All but the place, which few want.
   void surface_point(const HitColumns& columns, uint32_t ray, SurfacePoint& out) const;
+  void surface_place(const HitColumns& columns, uint32_t ray, SurfacePlace& out) const;
   /// Of one ray, whose hit is known.
   void surface_point(const Ray& ray, const Hit& hit, SurfacePoint& out) const;
 
@@ -57,6 +59,10 @@ class Geometry {
   /// What of the scene was left out, in sentences that name the first object.
   const std::vector<std::string>& notes() const { return notes_; }
   const std::string& name_of(const Hit& hit) const { return instances_[hit.instance].name; }
+  uint32_t material_of(const Hit& hit) const {
+    const PlacedInstance& instance = instances_[hit.instance];
+    return material_of(*meshes_[instance.mesh], instance, hit.triangle);
+  }
   const ObjectTraits& traits_of(uint32_t instance) const { return instances_[instance].traits; }
 
   /// What Embree calls at surfaces that may be transparent; the context is an embree::ShadowContext.
@@ -83,6 +89,7 @@ class Geometry {
   RTCGeometry make_instance(PlacedInstance& placed, const PlacedMesh& mesh, const Box& box) const;
   double transparency(const Ray& ray, const Hit& hit, uint8_t channel) const;
   struct Moved;
+  static uint32_t material_of(const PlacedMesh& mesh, const PlacedInstance& instance, uint32_t triangle);
   /// What a place knows of the mesh and the instance that it is on.
   void set_owner(SurfacePlace& place, const PlacedMesh& mesh, const PlacedInstance& instance,
                  double time) const;

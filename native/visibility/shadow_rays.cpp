@@ -157,21 +157,17 @@ uint32_t ShadowRays::hide(const float* x, const float* y, const float* z, float*
   return count;
 }
 
-void ShadowQueue::add(const SurfacePoint& surface, const Vec3f& to_light, ShadowKind kind, uint8_t& visible) {
+void ShadowQueue::add(const ShadowRayColumns& rays, uint32_t i, ShadowKind kind, uint8_t& visible) {
   visible = 0;
-  const bool front = dot(Vec3f(surface.geometric_normal), to_light) >= 0;
-  const ShadowSide start = side(surface, front ? 1 : -1);
-  const float shrink = max_abs(to_light) > kFar ? kShrink : 1.0f;
-  const Vec3f direction = (to_light + start.to_surface_point) * shrink;
-  if (!is_finite(start.origin) || !is_finite(direction) || max_abs(direction) == 0) return;
-  const uint32_t i = count_++;
-  packet_.org_x[i] = start.origin.x, packet_.org_y[i] = start.origin.y, packet_.org_z[i] = start.origin.z;
-  packet_.dir_x[i] = direction.x, packet_.dir_y[i] = direction.y, packet_.dir_z[i] = direction.z;
-  packet_.tnear[i] = 0, packet_.tfar[i] = kReach / shrink, packet_.time[i] = float(surface.time),
-  packet_.mask[i] = kind.mask;
-  valid_[i] = -1;
-  results_[i] = &visible;
-  channels_[i] = kind.channel;
+  if (!rays.usable[i]) return;
+  const uint32_t k = count_++;
+  packet_.org_x[k] = rays.org_x[i], packet_.org_y[k] = rays.org_y[i], packet_.org_z[k] = rays.org_z[i];
+  packet_.dir_x[k] = rays.dir_x[i], packet_.dir_y[k] = rays.dir_y[i], packet_.dir_z[k] = rays.dir_z[i];
+  packet_.tnear[k] = 0, packet_.tfar[k] = rays.tfar[i], packet_.time[k] = rays.time[i],
+  packet_.mask[k] = kind.mask;
+  valid_[k] = -1;
+  results_[k] = &visible;
+  channels_[k] = kind.channel;
   if (count_ == kPacket) flush();
 }
 

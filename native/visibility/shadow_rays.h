@@ -68,10 +68,10 @@ class ShadowQueue {
  public:
   explicit ShadowQueue(const Geometry& geometry) : geometry_(geometry) {}
 
-  /// A ray from a surface point along `to_light`, which ends on the luminaire. `visible` is set to 1 or 0 at
-  /// the latest by flush(), and must live until then. Behind transparent surfaces it is 1 with the share of
-  /// the light that they leave as probability, drawn by the ray alone.
-  void add(const SurfacePoint& surface, const Vec3f& to_light, ShadowKind kind, uint8_t& visible);
+  /// One ray of columns, which ends on the luminaire. `visible` is set to 1 or 0 at the latest by flush(), and
+  /// must live until then. Behind transparent surfaces it is 1 with the share of the light that they leave as
+  /// probability, drawn by the ray alone.
+  void add(const ShadowRayColumns& rays, uint32_t i, ShadowKind kind, uint8_t& visible);
   void flush();
 
   uint64_t traced() const { return traced_; }

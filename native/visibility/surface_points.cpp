@@ -161,6 +161,11 @@ void Geometry::set_normal(HitColumns& c, uint32_t k) const {
   c.normal.set(k, interpolated);
 }
 
+uint32_t Geometry::material_of(const PlacedMesh& mesh, const PlacedInstance& instance, uint32_t triangle) {
+  const uint32_t slot = mesh.material_slots.empty() ? 0 : mesh.material_slots[triangle];
+  return instance.materials[std::min<size_t>(slot, instance.materials.size() - 1)];
+}
+
 void Geometry::surface_point(const HitColumns& c, uint32_t i, SurfacePoint& s) const {
   const Ray& ray = c.rays[i];
   const Hit& hit = c.hits[i];
@@ -173,17 +178,24 @@ void Geometry::surface_point(const HitColumns& c, uint32_t i, SurfacePoint& s) c
   s.normal = c.normal.get(k);
   s.t = c.t[k];
   s.rounding = c.rounding[k];
-  set_owner(s.place, mesh, instance, ray.time);
-  s.place.edge1 = c.edge1.get(k);
-  s.place.edge2 = c.edge2.get(k);
-  s.place.triangle = hit.triangle;
-  s.place.u = c.u[k];
-  s.place.v = c.v[k];
-  s.place.backfacing = c.side[k] < 0;
-  const uint32_t slot = mesh.material_slots.empty() ? 0 : mesh.material_slots[hit.triangle];
-  s.material = instance.materials[std::min<size_t>(slot, instance.materials.size() - 1)];
+  s.material = material_of(mesh, instance, hit.triangle);
   s.receiver_set = instance.receiver_set;
   s.time = ray.time;
+}
+
+void Geometry::surface_place(const HitColumns& c, uint32_t i, SurfacePlace& place) const {
+  const Hit& hit = c.hits[i];
+  const PlacedInstance& instance = instances_[hit.instance];
+  const PlacedMesh& mesh = *meshes_[instance.mesh];
+  if (mesh.strands != StrandShape::kNone) return;  // strand_point() told
+  const uint32_t k = c.column[i];
+  set_owner(place, mesh, instance, c.rays[i].time);
+  place.edge1 = c.edge1.get(k);
+  place.edge2 = c.edge2.get(k);
+  place.triangle = hit.triangle;
+  place.u = c.u[k];
+  place.v = c.v[k];
+  place.backfacing = c.side[k] < 0;
 }
 
 void Geometry::surface_point(const Ray& ray, const Hit& hit, SurfacePoint& s) const {
@@ -192,6 +204,7 @@ void Geometry::surface_point(const Ray& ray, const Hit& hit, SurfacePoint& s) co
   columns.hits[0] = hit;
   recompute(1, columns);
   surface_point(columns, 0, s);
+  surface_place(columns, 0, s.place);
 }
 
 /// A ribbon is shaded as the tube that it stands for, as Cycles does, and rays from it start on that tube:

@@ -5,8 +5,8 @@
 
 One centre ray a pixel, one thread, everything in one run. Error: against 16384 fixed Owen-Sobol' points of another
 seed, away from the edges of objects (a pixel's centre there may hit another object in each renderer). Time: CPU
-seconds of bpy.ops.render.render, saving and synchronisation included. Writes speed_against_error.csv and .png and
-prints a table.
+seconds of bpy.ops.render.render, synchronisation included, saving the picture not. Writes speed_against_error.csv and
+.png and prints a table.
 """
 
 import csv
@@ -25,7 +25,7 @@ import penumbra_addon  # noqa: E402
 
 penumbra_addon.load()
 
-from helpers import make_lambertian, read_exr, render_to_file, use_cycles_as_reference  # noqa: E402
+from helpers import prepare_render, read_exr, use_cycles_as_reference  # noqa: E402
 
 REFERENCE = {"stop_rule": "FIXED", "light_samples": 16384, "seed": 4711}
 RUNS = (
@@ -41,13 +41,14 @@ def cpu_seconds() -> float:
 
 
 def timed_render(scene, engine: str) -> tuple[dict, float]:
-    """All passes, and the CPU seconds of bpy.ops.render.render: export and saving included, reading them not."""
+    """All passes, and the CPU seconds of bpy.ops.render.render: export included, saving the picture not."""
+    prepare_render(scene, engine)
+    start = cpu_seconds()
+    bpy.ops.render.render(scene=scene.name)
+    seconds = cpu_seconds() - start
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "render.exr"
-        make_lambertian(scene)
-        start = cpu_seconds()
-        render_to_file(scene, engine, path, lambertian=False)
-        seconds = cpu_seconds() - start
+        bpy.data.images["Render Result"].save_render(str(path), scene=scene)
         return read_exr(path), seconds
 
 

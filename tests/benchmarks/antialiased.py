@@ -6,7 +6,7 @@
 320 x 240 pixels, the same Blackman-Harris filter in both, one thread, everything in one run; the scenes are those of
 benchmark_scenes.py. Error: the largest difference of r, g, b in each pixel from Penumbra's own FIXED pictures of two
 seeds with 1024 x 8 points a pixel (256 x 8 on the plants), which know nothing of BOUNDED; half their own difference is
-printed as the reference's error. Time: CPU seconds of bpy.ops.render.render, export and saving included. For the 99th
+printed as the reference's error. Time: CPU seconds of bpy.ops.render.render, export included, saving not. For the 99th
 percentiles in TARGETS the times are interpolated (log-log) between the runs around them; the factor is Cycles' over
 Penumbra's. Also: what the tolerance of that value itself took. Writes antialiased.csv.
 """

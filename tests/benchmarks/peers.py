@@ -7,12 +7,12 @@
 640 x 480 pixels times the percentage, one ray through each pixel's centre, one thread, runs interleaved in one go.
 MITSUBA_PYTHON: a Python that has Mitsuba (mitsuba_server.py), "-" for none. Error: against FIXED of another seed, in
 r, g, b, away from the edges of objects and from what shows a lamp; how far each run's mean is from that reference's
-is in the CSV, so that all mean the same scene. Render: CPU seconds of the render call (Blender: export, BVH and saving
-included; Mitsuba: after compiling its kernels once, BVH left out). Process: those and what the process takes beside
-them: `blender -b` of the saved scene to a written picture, by examples/render.py and by Cycles from the command line;
-Mitsuba from starting Python to its first sample, kernels from its cache where they are there. Times at an error are
-interpolated between the runs around it, log-log; ~: extrapolated beyond them; <: the cheapest run is better already.
-Cycles: the faster of fixed and adaptive sampling. Writes peers.csv, peers.md and peers.png.
+is in the CSV, so that all mean the same scene. Render: CPU seconds of the render call (Blender: export and BVH
+included, saving not; Mitsuba: after compiling its kernels once, BVH left out). Process: those and what the process
+takes beside them: `blender -b` of the saved scene to a written picture, by examples/render.py and by Cycles from the
+command line; Mitsuba from starting Python to its first sample, kernels from its cache where they are there. Times at
+an error are interpolated between the runs around it, log-log; ~: extrapolated beyond them; <: the cheapest run is
+better already. Cycles: the faster of fixed and adaptive sampling. Writes peers.csv, peers.md and peers.png.
 """
 
 import csv

@@ -67,6 +67,13 @@ def render_to_file(scene, engine: str, path, lambertian: bool = True) -> None:
 
     `lambertian`: what has no material is 80 % grey in any version, as most oracles want it.
     """
+    prepare_render(scene, engine, lambertian)
+    scene.render.filepath = str(path)
+    bpy.ops.render.render(write_still=True, scene=scene.name)
+
+
+def prepare_render(scene, engine: str, lambertian: bool = True) -> None:
+    """Settings of render_to_file(), all but the path."""
     if lambertian:
         make_lambertian(scene)
     scene.render.engine = engine
@@ -76,8 +83,6 @@ def render_to_file(scene, engine: str, path, lambertian: bool = True) -> None:
     image.color_depth = "32"
     image.exr_codec = "NONE"
     scene.render.use_file_extension = False
-    scene.render.filepath = str(path)
-    bpy.ops.render.render(write_still=True, scene=scene.name)
 
 
 def render_pixels(scene, engine: str = "PENUMBRA", lambertian: bool = True) -> dict[str, np.ndarray]:
