@@ -261,8 +261,8 @@ SamplePacket::Reflected SamplePacket::reflected_by_lobes(const LitPoint& lit, co
   // No closed form: the sampled value itself stands for the unshadowed one.
   Reflection lobe;
   add_reflection(shading, &to_light.x, &to_light.y, &to_light.z, &sampled, 1, lobe);
-  light.glossy = lit.material->has_glossy_lobes ? arriving * lobe.glossy
-                                                : arriving * lit.material->phong * lobe.weight;
+  light.glossy =
+      lit.material->has_glossy_lobes ? arriving * lobe.glossy : arriving * lit.material->phong * lobe.weight;
   light.glossy_weight = lobe.weight;
   return light;
 }

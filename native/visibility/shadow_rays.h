@@ -68,9 +68,9 @@ class ShadowQueue {
  public:
   explicit ShadowQueue(const Geometry& geometry) : geometry_(geometry) {}
 
-  /// One ray of columns, which ends on the luminaire. `visible` is set to 1 or 0 at the latest by flush(), and
-  /// must live until then. Behind transparent surfaces it is 1 with the share of the light that they leave as
-  /// probability, drawn by the ray alone.
+  /// One ray of columns, which ends on the luminaire. `visible` is set to 1 or 0 at the latest by flush(),
+  /// and must live until then. Behind transparent surfaces it is 1 with the share of the light that they
+  /// leave as probability, drawn by the ray alone.
   void add(const ShadowRayColumns& rays, uint32_t i, ShadowKind kind, uint8_t& visible);
   void flush();
 
