@@ -34,7 +34,7 @@ inline double share_deviation(double share) {
 
 /// What the first look tells.
 struct LookedItem {
-  uint32_t point = 0, luminaire = 0;
+  uint32_t point = 0, pixel = 0, luminaire = 0;
   Vec3d diffuse, phong;                     // unshadowed radiance in the pixel, by lobe
   double diffuse_size = 0, phong_size = 0;  // the largest of their r, g, b, display units
   uint8_t first_lit = 0, first_dark = 0;    // bits of the first look's points

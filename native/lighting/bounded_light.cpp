@@ -38,45 +38,53 @@ double sum_of_errors(double a, double b) {
   return a == 0 ? b : b == 0 ? a : std::hypot(a, b);
 }
 
-/// The light of one block, step by step.
-class BlockLight {
- public:
-  BlockLight(const Block& block, const Geometry& geometry, std::span<const Luminaire> luminaires,
-             const Sampler& sampler, const BoundedSettings& settings, const std::vector<LitPoint>& points,
-             std::vector<PixelLight>& out, LightTally& tally, LightParts* parts, BlockMemory& memory)
-      : block_(block),
-        luminaires_(luminaires),
-        settings_(settings),
-        points_(points),
-        out_(out),
-        tally_(tally),
-        parts_(parts),
-        item_sampler_(geometry, luminaires, sampler, points, settings),
-        memory_(memory),
-        refined_(memory),
-        dropped_(memory),
-        certain_error_(memory, block.pixels(), 0.0) {}
+/// Items of one bounce and one luminaire, which are compared with each other.
+struct Slot {
+  Slot(BlockMemory& memory, uint32_t pixels) : items(memory), seen(memory, pixels) {}
 
-  void run() {
-    for (uint32_t begin = 0, end; begin < points_.size(); begin = end) {
-      end = find_quads(begin);
-      first_look(begin, end);
-    }
+  Reused<BlockItem> items;
+  Reused<uint8_t> seen;  // by pixel
+  uint8_t seen_by_any = 0;
+};
+
+/// The light of one block, step by step.
+class BlockLight final : public BlockLighting {
+ public:
+  BlockLight(const LitBlock& block, const Geometry& geometry, const Sampler& sampler,
+             const BoundedSettings& settings)
+      : block_(block.block),
+        luminaires_(block.luminaires),
+        settings_(settings),
+        points_(block.points),
+        out_(block.out),
+        tally_(block.tally),
+        parts_(block.parts),
+        memory_(block.memory),
+        item_sampler_(geometry, luminaires_, sampler, points_, settings),
+        refined_(memory_),
+        dropped_(memory_),
+        certain_error_(memory_, block_.pixels(), 0.0) {}
+
+  void look() override {
+    while (points_.size() - looked_at_ >= kBatch) look_at_quads();
+  }
+
+  void finish() override {
+    while (looked_at_ < points_.size()) look_at_quads();
     add_dropped_items();
-    for (auto& items : slots_) gate(items);
-    for (auto& items : slots_) flood(items);
+    for (Slot& slot : slots_) gate(slot);
+    for (Slot& slot : slots_) flood(slot);
     for_items([this](const BlockItem& item) { settle(item); });
     refine_tiles();
     if (parts_) for_items([this](const BlockItem& item) { add_parts(item); });
     if (tally_.trace)
-      for_items([this](const BlockItem& item) { tally_.trace->add(pixel(item), decision(item)); });
+      for_items([this](const BlockItem& item) { tally_.trace->add(item.pixel, decision(item)); });
   }
 
  private:
   size_t slot(const LookedItem& item) const {
     return points_[item.point].bounce * luminaires_.size() + item.luminaire;
   }
-  uint32_t pixel(const LookedItem& item) const { return points_[item.point].pixel; }
   bool in_core(uint32_t pixel, int margin) const {
     const int x = int(pixel % block_.width) - int(block_.core_x),
               y = int(pixel / block_.width) - int(block_.core_y);
@@ -85,19 +93,19 @@ class BlockLight {
   }
   template <typename Function>
   void for_items(Function function) {
-    for (auto& items : slots_)
-      for (BlockItem& item : items) function(item);
+    for (Slot& slot : slots_)
+      for (BlockItem& item : slot.items) function(item);
   }
 
   LightDecision decision(const BlockItem& item) const;
+  void look_at_quads();
   uint32_t find_quads(uint32_t begin);
-  void first_look(uint32_t begin, uint32_t end);
   void find_items(uint32_t begin, uint32_t end);
   void drop_dim_items(uint32_t begin);
   void add_dropped_items();
   void make_uncertain(BlockItem& item);
-  void gate(std::vector<BlockItem>& items);
-  void flood(std::vector<BlockItem>& items);
+  void gate(Slot& slot);
+  void flood(Slot& slot);
   void settle(const BlockItem& item);
   void refine_tiles();
   void add_parts(const BlockItem& item);
@@ -109,15 +117,15 @@ class BlockLight {
   std::vector<PixelLight>& out_;
   LightTally& tally_;
   LightParts* parts_;
-  ItemSampler item_sampler_;
   BlockMemory& memory_;
+  ItemSampler item_sampler_;
+  uint32_t looked_at_ = 0;  // points
   // Of some quads that the first look is at: each point's quad, and the number of its pixel among theirs;
   // the items, one luminaire after the other.
   std::vector<uint32_t> quad_, place_;
   std::vector<LookedItem> items_;
   std::vector<std::vector<uint32_t>> of_pixel_;
-  // Items of one bounce and one luminaire are compared with each other: a slot.
-  std::deque<Reused<BlockItem>> slots_;
+  std::deque<Slot> slots_;
   Reused<BoundedItem> refined_;
   Reused<LookedItem> dropped_;    // too dim for a ray
   Reused<double> certain_error_;  // of each pixel's certain items, display units
@@ -149,7 +157,8 @@ uint32_t BlockLight::find_quads(uint32_t begin) {
   return end;
 }
 
-void BlockLight::first_look(uint32_t begin, uint32_t end) {
+void BlockLight::look_at_quads() {
+  const uint32_t begin = looked_at_, end = looked_at_ = find_quads(begin);
   items_.clear();
   find_items(begin, end);
   if (luminaires_.size() > 1) drop_dim_items(begin);
@@ -161,8 +170,12 @@ void BlockLight::first_look(uint32_t begin, uint32_t end) {
     item_sampler_.look(std::span(items_).subspan(first, last - first), group, tally_);
   }
   for (const LookedItem& item : items_) {
-    while (slots_.size() <= slot(item)) slots_.emplace_back(memory_);
-    slots_[slot(item)].push_back({item});
+    while (slots_.size() <= slot(item)) slots_.emplace_back(memory_, block_.pixels());
+    Slot& own = slots_[slot(item)];
+    own.items.push_back({item});
+    const uint8_t seen = uint8_t((item.first_lit ? kLit : 0) | (item.first_dark ? kDark : 0));
+    own.seen[item.pixel] |= seen;
+    own.seen_by_any |= seen;
   }
 }
 
@@ -203,7 +216,7 @@ void BlockLight::drop_dim_items(uint32_t begin) {
       charge += items_[i].size() / 2;
       if (charge > kDropShare * settings_.tolerance) break;
       dropped[i] = 1;
-      tally_.decided_without_ray += in_core(pixel(items_[i]), 0);
+      tally_.decided_without_ray += in_core(items_[i].pixel, 0);
       dropped_.push_back(items_[i]);
     }
   }
@@ -218,20 +231,20 @@ void BlockLight::add_dropped_items() {
   if (dropped_.empty()) return;
   Reused<std::array<uint32_t, 2>> rays(memory_, block_.pixels());  // lit, dark
   for_items([&](const BlockItem& item) {
-    rays[pixel(item)][0] += uint32_t(std::popcount(item.first_lit));
-    rays[pixel(item)][1] += uint32_t(std::popcount(item.first_dark));
+    rays[item.pixel][0] += uint32_t(std::popcount(item.first_lit));
+    rays[item.pixel][1] += uint32_t(std::popcount(item.first_dark));
   });
   for (const LookedItem& item : dropped_) {
-    const auto& [lit, dark] = rays[pixel(item)];
+    const auto& [lit, dark] = rays[item.pixel];
     const double share = expected_share(lit, dark);
-    PixelLight& light = out_[pixel(item)];
+    PixelLight& light = out_[item.pixel];
     light.radiance += item.unshadowed() * share;
     light.error += item.size() * share_deviation(share);
     if (tally_.trace)
-      tally_.trace->add(pixel(item), {points_[item.point].bounce, item.luminaire, "too dim for a ray", 0,
-                                      item.unshadowed() * share});
+      tally_.trace->add(item.pixel, {points_[item.point].bounce, item.luminaire, "too dim for a ray", 0,
+                                     item.unshadowed() * share});
     if (parts_)
-      add_light(parts_->of(pixel(item)), luminaires_[item.luminaire], points_[item.point],
+      add_light(parts_->of(item.pixel), luminaires_[item.luminaire], points_[item.point],
                 {item.diffuse * share, item.diffuse}, {item.phong * share, item.phong});
   }
 }
@@ -243,41 +256,34 @@ void BlockLight::make_uncertain(BlockItem& item) {
 }
 
 /// Items of a slot whose neighbourhood has seen both light and dark may be in penumbra.
-void BlockLight::gate(std::vector<BlockItem>& items) {
-  if (items.empty()) return;
-  const Luminaire& luminaire = luminaires_[items.front().luminaire];
+void BlockLight::gate(Slot& slot) {
+  if (slot.items.empty()) return;
+  const Luminaire& luminaire = luminaires_[slot.items.front().luminaire];
   if (luminaire.is_point()) return;  // one ray told all
-  Reused<uint8_t> seen(memory_, block_.pixels());
-  uint8_t by_any = 0;
-  for (const BlockItem& item : items) {
-    const uint8_t here = uint8_t((item.first_lit ? kLit : 0) | (item.first_dark ? kDark : 0));
-    seen[pixel(item)] |= here;
-    by_any |= here;
-  }
-  if (by_any == (kLit | kDark)) spread(seen, block_.width, block_.height, kGateReach);
-  for (BlockItem& item : items) {
+  if (slot.seen_by_any == (kLit | kDark)) spread(slot.seen, block_.width, block_.height, kGateReach);
+  for (BlockItem& item : slot.items) {
     // Most of the four were below the horizon: a neighbourhood of those has seen next to nothing.
     const bool blind = std::popcount(uint8_t(item.first_lit | item.first_dark)) < int(kFirstLook) / 2;
     const bool unproven = luminaire.is_wide();  // until the flood's 16 points
-    if (seen[pixel(item)] == (kLit | kDark) || blind || unproven) make_uncertain(item);
+    if (slot.seen[item.pixel] == (kLit | kDark) || blind || unproven) make_uncertain(item);
   }
 }
 
 /// Where the first packet of an uncertain item finds penumbra, its neighbours are uncertain too.
-void BlockLight::flood(std::vector<BlockItem>& items) {
+void BlockLight::flood(Slot& slot) {
   Reused<uint8_t> mixed(memory_, block_.pixels());
   bool any = false;
-  for (const BlockItem& item : items) {
-    if (!item.uncertain() || !in_core(pixel(item), kFloodReach)) continue;
+  for (const BlockItem& item : slot.items) {
+    if (!item.uncertain() || !in_core(item.pixel, kFloodReach)) continue;
     BoundedItem& refined = refined_[item.refined];
     item_sampler_.advance(refined, next_level(0), tally_);
-    mixed[pixel(item)] = refined.lit > 0 && refined.lit < refined.facing;
-    any = any || mixed[pixel(item)];
+    mixed[item.pixel] = refined.lit > 0 && refined.lit < refined.facing;
+    any = any || mixed[item.pixel];
   }
   if (!any) return;
   spread(mixed, block_.width, block_.height, kFloodReach);
-  for (BlockItem& item : items)
-    if (mixed[pixel(item)]) make_uncertain(item);
+  for (BlockItem& item : slot.items)
+    if (mixed[item.pixel]) make_uncertain(item);
 }
 
 /// A certain item's light. What the first looks around a pixel can have missed is the smoothed standard error
@@ -288,12 +294,12 @@ void BlockLight::settle(const BlockItem& item) {
   static const double missed =
       kItemCalibration.report * kItemCalibration.smoothed * std::sqrt(p * (1 - p)) * std::pow(n, -0.75);
   if (item.uncertain()) return;
-  PixelLight& pixel_light = out_[pixel(item)];
+  PixelLight& pixel_light = out_[item.pixel];
   const bool exact = luminaires_[item.luminaire].is_point();
   pixel_light.points += exact ? 1 : kFirstLook;
   if (item.first_lit) pixel_light.radiance += item.unshadowed();
   if (exact) return;
-  double& certain = certain_error_[pixel(item)];
+  double& certain = certain_error_[item.pixel];
   certain = std::min(sum_of_errors(certain, missed * item.size()), settings_.tolerance / 2);
 }
 
@@ -302,15 +308,15 @@ void BlockLight::refine_tiles() {
   const uint32_t rows = (block_.core_height + kTile - 1) / kTile;
   std::vector<std::vector<BoundedItem*>> tiles(size_t(columns) * rows);
   for_items([&](const BlockItem& item) {
-    if (!item.uncertain() || !in_core(pixel(item), 0)) return;
-    const uint32_t x = pixel(item) % block_.width - block_.core_x,
-                   y = pixel(item) / block_.width - block_.core_y;
+    if (!item.uncertain() || !in_core(item.pixel, 0)) return;
+    const uint32_t x = item.pixel % block_.width - block_.core_x,
+                   y = item.pixel / block_.width - block_.core_y;
     tiles[y / kTile * columns + x / kTile].push_back(&refined_[item.refined]);
   });
   const TileRefiner refiner(item_sampler_, points_, block_, settings_);
   for (auto& tile : tiles) {
     refiner.refine(tile, out_, tally_);
-    for (const BoundedItem* item : tile) out_[pixel(*item)].points += item->count;
+    for (const BoundedItem* item : tile) out_[item->pixel].points += item->count;
   }
   for (uint32_t y = 0; y < block_.core_height; ++y) {
     const uint32_t row = (block_.core_y + y) * block_.width + block_.core_x;
@@ -328,8 +334,8 @@ void BlockLight::add_parts(const BlockItem& item) {
     diffuse = refined_[item.refined].diffuse_radiance(), glossy = refined_[item.refined].glossy_radiance();
   else if (item.first_lit)
     diffuse = item.diffuse, glossy = item.phong;
-  add_light(parts_->of(pixel(item)), luminaires_[item.luminaire], points_[item.point],
-            {diffuse, item.diffuse}, {glossy, item.phong});
+  add_light(parts_->of(item.pixel), luminaires_[item.luminaire], points_[item.point], {diffuse, item.diffuse},
+            {glossy, item.phong});
 }
 
 }  // namespace
@@ -338,10 +344,8 @@ uint32_t BoundedLight::halo() const {
   return kHalo;
 }
 
-void BoundedLight::light(const Block& block, std::span<const Luminaire> luminaires,
-                         const std::vector<LitPoint>& points, std::vector<PixelLight>& out, LightTally& tally,
-                         LightParts* parts, BlockMemory& memory) const {
-  BlockLight(block, geometry_, luminaires, sampler_, settings_, points, out, tally, parts, memory).run();
+std::unique_ptr<BlockLighting> BoundedLight::begin(const LitBlock& block) const {
+  return std::make_unique<BlockLight>(block, geometry_, sampler_, settings_);
 }
 
 }  // namespace penumbra

@@ -26,9 +26,7 @@ class BoundedLight final : public Lighting {
   uint32_t block_side() const override { return 128; }
   /// The gate's reach and the flood's.
   uint32_t halo() const override;
-  void light(const Block& block, std::span<const Luminaire> luminaires, const std::vector<LitPoint>& points,
-             std::vector<PixelLight>& out, LightTally& tally, LightParts* parts,
-             BlockMemory& memory) const override;
+  std::unique_ptr<BlockLighting> begin(const LitBlock& block) const override;
 
  private:
   const Geometry& geometry_;

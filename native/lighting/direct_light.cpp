@@ -9,38 +9,58 @@
 
 namespace penumbra {
 
-/// Error: twice the standard error of independent points, the largest of r, g, b; for points more even than
-/// independent ones the true error is smaller.
-void DirectLight::light(const Block& block, std::span<const Luminaire> luminaires,
-                        const std::vector<LitPoint>& points, std::vector<PixelLight>& out, LightTally& tally,
-                        LightParts* parts, BlockMemory& memory) const {
-  Reused<Vec3d> variance(memory, block.pixels());
-  for (const LitPoint& lit : points) {
+class DirectLight::OnBlock final : public BlockLighting {
+ public:
+  OnBlock(const DirectLight& how, const LitBlock& block)
+      : how_(how), b_(block), variance_(block.memory, block.out.size()) {}
+
+  void look() override {
+    for (; done_ < b_.points.size(); ++done_) light(b_.points[done_]);
+  }
+
+  /// Error: twice the standard error of independent points, the largest of r, g, b; for points more even than
+  /// independent ones the true error is smaller.
+  void finish() override {
+    look();
+    for (size_t i = 0; i < b_.out.size(); ++i)
+      b_.out[i].error = 2 * std::sqrt(max_component(variance_[i])) * how_.display_scale_;
+  }
+
+ private:
+  void light(const LitPoint& lit) {
     const ShadingPoint point(lit.surface, *lit.material, lit.ray_direction);
-    PixelLight& pixel = out[lit.pixel];
-    for (size_t i = 0; i < luminaires.size(); ++i) {
-      const uint64_t index = lit.stream * luminaires.size() + i;
+    PixelLight& pixel = b_.out[lit.pixel];
+    for (size_t i = 0; i < b_.luminaires.size(); ++i) {
+      const Luminaire& luminaire = b_.luminaires[i];
+      const uint64_t index = lit.stream * b_.luminaires.size() + i;
       Parts apart;
       const Estimate one =
-          from(luminaires[i], point, {index, hash_of(index)}, tally, parts ? &apart : nullptr);
+          how_.from(luminaire, point, {index, hash_of(index)}, b_.tally, b_.parts ? &apart : nullptr);
       pixel.radiance += lit.throughput * one.radiance;
       pixel.points += one.points;
-      if (parts)
-        add_light(parts->of(lit.pixel), luminaires[i], lit,
+      if (b_.parts)
+        add_light(b_.parts->of(lit.pixel), luminaire, lit,
                   {lit.throughput * apart.diffuse.seen, lit.throughput * apart.diffuse.unshadowed},
                   {lit.throughput * apart.glossy.seen, lit.throughput * apart.glossy.unshadowed});
       pixel.at_limit = pixel.at_limit || one.at_limit;
-      variance[lit.pixel] += lit.throughput * lit.throughput * one.variance;
-      if (tally.trace)
-        tally.trace->add(lit.pixel, {lit.bounce, uint32_t(i),
-                                     one.points == 0 ? "unseen"
-                                     : one.at_limit  ? "at the limit"
-                                                     : "the rule is satisfied",
-                                     one.points, lit.throughput * one.radiance});
+      variance_[lit.pixel] += lit.throughput * lit.throughput * one.variance;
+      if (b_.tally.trace)
+        b_.tally.trace->add(lit.pixel, {lit.bounce, uint32_t(i),
+                                        one.points == 0 ? "unseen"
+                                        : one.at_limit  ? "at the limit"
+                                                        : "the rule is satisfied",
+                                        one.points, lit.throughput * one.radiance});
     }
   }
-  for (size_t i = 0; i < out.size(); ++i)
-    out[i].error = 2 * std::sqrt(max_component(variance[i])) * display_scale_;
+
+  const DirectLight& how_;
+  LitBlock b_;
+  Reused<Vec3d> variance_;  // by pixel
+  size_t done_ = 0;         // of the points
+};
+
+std::unique_ptr<BlockLighting> DirectLight::begin(const LitBlock& block) const {
+  return std::make_unique<OnBlock>(*this, block);
 }
 
 DirectLight::Estimate DirectLight::from(const Luminaire& luminaire, const ShadingPoint& point,

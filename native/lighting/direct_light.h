@@ -16,11 +16,10 @@ class DirectLight final : public Lighting {
 
   uint32_t block_side() const override { return kTile; }
   uint32_t halo() const override { return 0; }
-  void light(const Block& block, std::span<const Luminaire> luminaires, const std::vector<LitPoint>& points,
-             std::vector<PixelLight>& out, LightTally& tally, LightParts* parts,
-             BlockMemory& memory) const override;
+  std::unique_ptr<BlockLighting> begin(const LitBlock& block) const override;
 
  private:
+  class OnBlock;
   /// Reflected radiance towards the viewer and the sample variance of its estimate, r, g, b.
   struct Estimate {
     Vec3d radiance, variance;

@@ -57,6 +57,7 @@ LookedItem ItemSampler::make(uint32_t point, uint32_t luminaire, double form_fac
   const LitPoint& lit = points_[point];
   LookedItem item;
   item.point = point;
+  item.pixel = lit.pixel;
   item.luminaire = luminaire;
   const Vec3d arriving = lit.throughput * luminaires_[luminaire].radiance();
   const ShadingPoint shading(lit.surface, *lit.material, lit.ray_direction);

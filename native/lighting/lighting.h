@@ -81,6 +81,29 @@ struct LightTally {
   }
 };
 
+/// A block that is being lit.
+struct LitBlock {
+  const Block& block;
+  std::span<const Luminaire> luminaires;
+  const std::vector<LitPoint>& points;  // found so far
+  std::vector<PixelLight>& out;         // of all points, block.pixels() elements
+  LightTally& tally;
+  LightParts* parts;    // where light is told apart, too; null: nowhere
+  BlockMemory& memory;  // the thread's
+};
+
+/// Direct light of a block's points from its luminaires, added up for each pixel.
+class BlockLighting {
+ public:
+  virtual ~BlockLighting() = default;
+
+  /// More points were found, all of some 2 x 2 quads of the frame's pixels: what can be done as long as they
+  /// are in the cache.
+  virtual void look() = 0;
+  /// All were.
+  virtual void finish() = 0;
+};
+
 /// A way of lighting. Immutable, so that threads share it.
 class Lighting {
  public:
@@ -90,11 +113,7 @@ class Lighting {
   virtual uint32_t block_side() const = 0;
   virtual uint32_t halo() const = 0;
 
-  /// Direct light of all points from some luminaires, added up for each pixel of the block; `out` has
-  /// block.pixels() elements. `parts`: where it is told apart, too; null: nowhere. memory: the thread's.
-  virtual void light(const Block& block, std::span<const Luminaire> luminaires,
-                     const std::vector<LitPoint>& points, std::vector<PixelLight>& out, LightTally& tally,
-                     LightParts* parts, BlockMemory& memory) const = 0;
+  virtual std::unique_ptr<BlockLighting> begin(const LitBlock& block) const = 0;
 };
 
 }  // namespace penumbra

@@ -122,11 +122,11 @@ bool Materials::may_be_transparent(uint32_t material) const {
   return scene_->materials()[material].may_be_transparent();
 }
 
-double Materials::transparency(const SurfacePoint& surface, const Vec3d& direction, uint8_t channel) const {
+double Materials::transparency(const PlacedPoint& surface, const Vec3d& direction, uint8_t channel) const {
   const Material& material = scene_->materials()[surface.material];
   Vec3d t = material.transparency;
   if (material.program) {
-    SurfacePoint copy = surface;
+    PlacedPoint copy = surface;
     t = evaluate(material.shadow_program ? *material.shadow_program : *material.program, copy,
                  {direction, RayKind::kShadow})
             .transparency;
@@ -138,7 +138,7 @@ std::vector<std::string> Materials::problems() const {
   return textures_ ? textures_->problems() : std::vector<std::string>{};
 }
 
-Closures Materials::evaluate(const Program& program, SurfacePoint& surface, const Seen& seen) const {
+Closures Materials::evaluate(const Program& program, PlacedPoint& surface, const Seen& seen) const {
   thread_local std::vector<Vec3f> registers;
   registers.assign(program.registers.begin(), program.registers.end());
   const SurfacePlace& place = surface.place;

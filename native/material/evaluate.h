@@ -42,10 +42,10 @@ class Materials final : public Opacity {
   explicit Materials(std::shared_ptr<const Scene> scene, TextureStore* store = nullptr);
 
   /// The closures at a surface point; its shading normal is replaced where the material bumps it.
-  Closures evaluate(const Program& program, SurfacePoint& surface, const Seen& seen) const;
+  Closures evaluate(const Program& program, PlacedPoint& surface, const Seen& seen) const;
 
   bool may_be_transparent(uint32_t material) const override;
-  double transparency(const SurfacePoint& surface, const Vec3d& direction, uint8_t channel) const override;
+  double transparency(const PlacedPoint& surface, const Vec3d& direction, uint8_t channel) const override;
 
   /// See Textures::problems().
   std::vector<std::string> problems() const;

@@ -8,13 +8,35 @@
 namespace penumbra {
 namespace {
 
-/// A pixel on its way to the film: sums over its primary rays.
+/// What a pixel's primary rays see beside its surface points. Kept for every pixel, and written before it is
+/// read: without zeroing it first.
+struct PixelView {
+  PixelView() {}
+  // The current one:
+  Vec3d background;  // in mirrors too
+  double alpha;
+  // The first one:
+  double depth;
+  Vec3d normal, position;
+  const std::string* object;
+};
+
+/// Of a pixel's primary rays.
 struct PixelSums {
-  PixelValues values;
-  Vec3d radiance_squares;
-  double error = 0;                     // of the light, one primary ray
-  const std::string* object = nullptr;  // seen by the first ray
+  Vec3d radiance, squares;
+  double alpha = 0, points = 0;
+  double error = 0;  // of the light, one primary ray
   bool at_limit = false;
+
+  void add(const PixelLight& light, const PixelView& view) {
+    const Vec3d sum = light.radiance + view.background;
+    radiance += sum;
+    squares += sum * sum;
+    alpha += view.alpha;
+    points += double(light.points);
+    error = light.error;
+    at_limit = at_limit || light.at_limit;
+  }
 };
 
 class BlockRenderer {
@@ -24,9 +46,11 @@ class BlockRenderer {
         tally_(tally),
         area_(with_halo(core, context.lighting.halo(), context.settings)),
         block_(block_of(core, area_, context.settings)),
-        pixels_(context.memory, block_.pixels()),
-        points_(context.memory),
-        background_(context.memory) {
+        views_(context.memory),
+        sums_(context.memory),
+        points_(context.memory) {
+    views_.resize(block_.pixels());
+    if (c_.settings.pixel_samples > 1) sums_.resize(block_.pixels());
     points_.reserve(block_.pixels());
     if (c_.extras.want_parts()) parts_.emplace(block_.pixels(), c_.extras.light_groups());
     if (c_.extras.want_mattes()) mattes_.resize(block_.pixels());
@@ -36,32 +60,35 @@ class BlockRenderer {
 
   void run() {
     for (uint32_t s = 0; s < c_.settings.pixel_samples; ++s) {
-      trace(s);
       Reused<PixelLight> light(c_.memory, block_.pixels());
-      c_.lighting.light(block_, c_.luminaires, points_, light, tally_.light, parts_ ? &*parts_ : nullptr,
-                        c_.memory);
-      for (uint32_t i = 0; i < block_.pixels(); ++i) add_light(pixels_[i], light[i]);
+      const auto lighting = c_.lighting.begin(
+          {block_, c_.luminaires, points_, light, tally_.light, parts_ ? &*parts_ : nullptr, c_.memory});
+      points_.clear();
+      trace(s, *lighting);
+      lighting->finish();
+      for (uint32_t y = 0; y < block_.core_height; ++y)
+        for (uint32_t x = 0; x < block_.core_width; ++x)
+          add_light(light, block_.core_x + x, block_.core_y + y, s + 1 == c_.settings.pixel_samples);
     }
-    write();
   }
 
  private:
   Ray primary_ray(uint32_t x, uint32_t y, uint32_t s) const;
-  void trace(uint32_t s);
+  void trace(uint32_t s, BlockLighting& lighting);
   void follow(const HitColumns& found, uint32_t ray, uint32_t pixel, uint32_t s);
   PathRecord record_of(uint32_t pixel, bool first);
-  void add_light(PixelSums& pixel, const PixelLight& light) const;
-  PixelValues resolve(const PixelSums& pixel) const;
-  void write();
+  void add_light(const std::vector<PixelLight>& light, uint32_t x, uint32_t y, bool last);
+  PixelValues resolve(const PixelSums& sums, const PixelView& view) const;
+  void write(uint32_t pixel, uint32_t x, uint32_t y, const PixelSums& sums);
   bool write_extras(uint32_t pixel, uint32_t x, uint32_t y);
 
   const RenderContext& c_;
   RenderTally& tally_;
   Rectangle area_;  // of the block with its halo, full-frame pixels
   Block block_;
-  Reused<PixelSums> pixels_;
-  Reused<LitPoint> points_;   // seen by the current sample
-  Reused<Vec3d> background_;  // seen by the current sample, in mirrors too
+  Reused<PixelView> views_;  // by pixel
+  Reused<PixelSums> sums_;   // by pixel, if there are several samples
+  Reused<LitPoint> points_;  // seen by the current sample
   // Only where passes want them, by pixel: sums over the samples, and what the first one met.
   std::optional<LightParts> parts_;
   std::vector<std::vector<MatteHit>> mattes_;
@@ -99,9 +126,7 @@ Place place_in_packet(uint32_t lane) {
 /// Finds the surface points that sample s of each pixel sees, quad by quad of the frame. Rays are traced by
 /// whole tiles of the frame, four rows of four pixels a packet, so that packets are the same wherever a block
 /// begins.
-void BlockRenderer::trace(uint32_t s) {
-  points_.clear();
-  background_.assign(block_.pixels(), {});
+void BlockRenderer::trace(uint32_t s, BlockLighting& lighting) {
   constexpr uint32_t kSide = 4;
   Ray rays[kPacket];
   HitColumns found;
@@ -120,6 +145,7 @@ void BlockRenderer::trace(uint32_t s) {
         ++tally_.primary_rays;
         follow(found, i, by * block_.width + bx, s);
       }
+      lighting.look();
     }
   }
 }
@@ -132,12 +158,16 @@ void BlockRenderer::follow(const HitColumns& found, uint32_t ray, uint32_t pixel
   PathEnd end;
   c_.paths.follow(found, ray, pixel, frame_pixel * c_.settings.pixel_samples + s, points_, tally_.mirror_rays,
                   end, c_.extras.any() ? &record : nullptr);
-  PixelSums& sums = pixels_[pixel];
-  background_[pixel] = end.background;
-  sums.values.alpha += end.alpha;
+  PixelView& view = views_[pixel];
+  view.background = end.background;
+  view.alpha = end.alpha;
   if (s > 0) return;  // data passes are not filtered
-  sums.object = end.object;
-  set_data_passes(sums.values, end, c_.geometry.normalization());
+  view.object = end.object;
+  PixelValues values;
+  set_data_passes(values, end, c_.geometry.normalization());
+  view.depth = values.depth;
+  view.normal = values.normal;
+  view.position = values.position;
 }
 
 PathRecord BlockRenderer::record_of(uint32_t pixel, bool first) {
@@ -148,24 +178,28 @@ PathRecord BlockRenderer::record_of(uint32_t pixel, bool first) {
   return record;
 }
 
-void BlockRenderer::add_light(PixelSums& pixel, const PixelLight& light) const {
-  const Vec3d radiance = light.radiance + background_[&pixel - pixels_.data()];
-  pixel.values.combined += radiance;
-  pixel.values.light_samples += double(light.points);
-  pixel.radiance_squares += radiance * radiance;
-  pixel.error = light.error;
-  pixel.at_limit = pixel.at_limit || light.at_limit;
+/// Of pixel (x, y) of the block; writes it after its last sample.
+void BlockRenderer::add_light(const std::vector<PixelLight>& light, uint32_t x, uint32_t y, bool last) {
+  const uint32_t pixel = y * block_.width + x;
+  PixelSums only;
+  PixelSums& sums = sums_.empty() ? only : sums_[pixel];
+  sums.add(light[pixel], views_[pixel]);
+  if (last) write(pixel, area_.x + x, area_.y + y, sums);
 }
 
 /// Averages the sums. The error of several primary rays: twice the standard error that their spread tells.
-PixelValues BlockRenderer::resolve(const PixelSums& pixel) const {
+PixelValues BlockRenderer::resolve(const PixelSums& sums, const PixelView& view) const {
   const double n = c_.settings.pixel_samples;
-  PixelValues values = pixel.values;
-  values.combined = values.combined / n;
-  values.alpha /= n;
-  values.error_estimate = pixel.error;
+  PixelValues values;
+  values.combined = sums.radiance / n;
+  values.alpha = sums.alpha / n;
+  values.depth = view.depth;
+  values.normal = view.normal;
+  values.position = view.position;
+  values.light_samples = sums.points;
+  values.error_estimate = sums.error;
   if (n > 1) {
-    const Vec3d variance = (pixel.radiance_squares / n - values.combined * values.combined) / (n - 1);
+    const Vec3d variance = (sums.squares / n - values.combined * values.combined) / (n - 1);
     values.error_estimate =
         2 * std::sqrt(std::max(max_component(variance), 0.0)) * std::exp2(c_.settings.exposure);
   }
@@ -183,18 +217,14 @@ bool BlockRenderer::write_extras(uint32_t pixel, uint32_t x, uint32_t y) {
   return c_.extras.write(x, y, seen_[pixel], extra);
 }
 
-void BlockRenderer::write() {
+void BlockRenderer::write(uint32_t pixel, uint32_t x, uint32_t y, const PixelSums& sums) {
   const Rectangle& region = c_.film.region();
-  for (uint32_t i = 0; i < block_.pixels(); ++i) {
-    const uint32_t bx = i % block_.width, by = i / block_.width, x = area_.x + bx, y = area_.y + by;
-    const bool in_core = bx - block_.core_x < block_.core_width && by - block_.core_y < block_.core_height;
-    if (!in_core || x - region.x >= region.width || y - region.y >= region.height) continue;
-    tally_.pixels_at_limit += pixels_[i].at_limit;
-    const bool broken = c_.film.write(x, y, resolve(pixels_[i])),
-               extra_broken = c_.extras.any() && write_extras(i, x, y);
-    if ((broken || extra_broken) && tally_.non_finite_pixels++ == 0)
-      tally_.first_non_finite = pixel_name(x, y, pixels_[i].object);
-  }
+  if (x - region.x >= region.width || y - region.y >= region.height) return;
+  tally_.pixels_at_limit += sums.at_limit;
+  const bool broken = c_.film.write(x, y, resolve(sums, views_[pixel])),
+             extra_broken = c_.extras.any() && write_extras(pixel, x, y);
+  if ((broken || extra_broken) && tally_.non_finite_pixels++ == 0)
+    tally_.first_non_finite = pixel_name(x, y, views_[pixel].object);
 }
 
 }  // namespace

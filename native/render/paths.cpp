@@ -146,28 +146,24 @@ void PathTracer::follow(const HitColumns& found, uint32_t ray, uint32_t pixel, u
       see_luminaires(part, part.ray.t_far, end, record);
       leave(part, end, record);
     } else {
-      const size_t number = points.size();
-      LitPoint& point = points.emplace_back();
-      SurfacePoint& surface = point.surface;
-      if (rays == 0) {
+      PlacedPoint surface;
+      if (rays == 0)
         geometry_.surface_point(found, ray, surface);
-        geometry_.surface_place(found, ray, surface.place);
-      } else {
+      else
         geometry_.surface_point(part.ray, part.hit, surface);
-      }
       const ObjectTraits& traits = geometry_.traits_of(part.hit.instance);
       const Material& material = scene_.materials()[surface.material];
       const double t = surface.t;
       see_luminaires(part, t, end, record);
       const double footprint =
           part.footprint + (perspective_ ? t * pixel_ * (part.from_camera() ? scale_ : 1.0) : 0.0);
+      std::shared_ptr<const Closures> evaluated;
       if (material.program)
-        point.evaluated = std::make_shared<const Closures>(materials_.evaluate(
+        evaluated = std::make_shared<const Closures>(materials_.evaluate(
             *material.program, surface,
             {part.ray.direction, part.from_camera() ? RayKind::kCamera : RayKind::kMirror, footprint}));
       const bool is_hole = traits.holdout && part.from_camera();
-      if (is_hole) point.evaluated = hole_of(point.evaluated ? *point.evaluated : material);
-      const std::shared_ptr<const Closures> evaluated = point.evaluated;  // outlives the point
+      if (is_hole) evaluated = hole_of(evaluated ? *evaluated : material);
       const Closures& closures = evaluated ? *evaluated : material;
       const double through = closures.transparency == Vec3d{} ? 0 : average(closures.transparency);
       if (is_hole && !end.object) end.object = &geometry_.name_of(part.hit);
@@ -184,6 +180,8 @@ void PathTracer::follow(const HitColumns& found, uint32_t ray, uint32_t pixel, u
       const Vec3d position = surface.position, outward = surface.geometric_normal * surface.rounding,
                   normal = surface.normal;
       if (lit < length_ && !is_hole && (closures.reflects() || through == 0)) {
+        LitPoint& point = points.emplace_back();
+        point.surface = surface;
         point.ray_direction = part.ray.direction;
         point.material = &closures;
         point.throughput = part.throughput;
@@ -191,9 +189,8 @@ void PathTracer::follow(const HitColumns& found, uint32_t ray, uint32_t pixel, u
         point.pixel = pixel;
         point.bounce = lit;
         point.mirrored = !part.from_camera();
+        point.evaluated = evaluated;
         ++lit;
-      } else {
-        points.resize(number);
       }
 
       const Vec3d reflected = part.throughput * closures.mirror,

@@ -83,7 +83,7 @@ class Side {
 
  private:
   void look_up(Pyramid& pyramid, const Material& material, double share);
-  Vec3d emission(const Material& material, const SurfacePoint& surface, double width) const;
+  Vec3d emission(const Material& material, const PlacedPoint& surface, double width) const;
   double gain(const Pyramid& pyramid, int level, uint32_t index) const;
 
   const Geometry& geometry_;
@@ -99,7 +99,7 @@ Side::Side(const Scene& scene, const Geometry& geometry, const Materials& materi
   double area = 0;
   for (uint32_t t = 0; t < geometry.triangles_of(instance); ++t) {
     const Hit hit{instance, t};
-    const SurfacePoint a = geometry.surface_point(hit, 0, 0, from_behind);
+    const PlacedPoint a = geometry.surface_point(hit, 0, 0, from_behind);
     if (!scene.materials()[a.material].emission_program) continue;
     const Vec3d b = geometry.surface_point(hit, 1, 0, from_behind).position,
                 c = geometry.surface_point(hit, 0, 1, from_behind).position;
@@ -126,8 +126,8 @@ void Side::look_up(Pyramid& pyramid, const Material& material, double share) {
   }
   pyramid.levels.resize(size_t(depth) + 1);
   for (const Part& p : parts) {
-    const SurfacePoint surface = geometry_.surface_point(pyramid.hit, (p[0].u + p[1].u + p[2].u) / 3,
-                                                         (p[0].v + p[1].v + p[2].v) / 3, from_behind_);
+    const PlacedPoint surface = geometry_.surface_point(pyramid.hit, (p[0].u + p[1].u + p[2].u) / 3,
+                                                        (p[0].v + p[1].v + p[2].v) / 3, from_behind_);
     pyramid.levels.back().push_back(emission(material, surface, width));
   }
   for (int level = depth; level-- > 0;) {
@@ -139,11 +139,11 @@ void Side::look_up(Pyramid& pyramid, const Material& material, double share) {
 
 /// Mean over the directions to the surface's side, weighted with the cosine as its power is. (One direction
 /// is enough where emission does not depend on it.)
-Vec3d Side::emission(const Material& material, const SurfacePoint& surface, double width) const {
+Vec3d Side::emission(const Material& material, const PlacedPoint& surface, double width) const {
   const Vec3d& n = surface.geometric_normal;
   const Across across(n);
   const auto towards = [&](double cosine, double angle) {
-    SurfacePoint copy = surface;  // bumps change its normal
+    PlacedPoint copy = surface;  // bumps change its normal
     const Vec3d sideways = across.side * std::cos(angle) + across.up * std::sin(angle),
                 viewer = n * cosine + sideways * std::sqrt(1 - cosine * cosine);
     const Vec3d e =
@@ -196,7 +196,7 @@ void Side::split(MeshLuminaire& parts, std::vector<Vec3d>& emission) const {
     if (max_component(mean) <= 0) continue;
     Vec3d at[3], normal;
     for (int i = 0; i < 3; ++i) {
-      const SurfacePoint s = geometry_.surface_point(pyramid.hit, c.part[i].u, c.part[i].v, from_behind_);
+      const PlacedPoint s = geometry_.surface_point(pyramid.hit, c.part[i].u, c.part[i].v, from_behind_);
       at[i] = s.position;
       normal = s.geometric_normal;
     }

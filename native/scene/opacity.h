@@ -15,7 +15,7 @@ class Opacity {
   virtual bool may_be_transparent(uint32_t material) const = 0;
   /// Share of the light that goes straight through a surface point, 0 ... 1, along a ray's direction: of one
   /// channel, or of their mean.
-  virtual double transparency(const SurfacePoint& surface, const Vec3d& direction, uint8_t channel) const = 0;
+  virtual double transparency(const PlacedPoint& surface, const Vec3d& direction, uint8_t channel) const = 0;
 };
 
 }  // namespace penumbra

@@ -30,7 +30,7 @@ struct SurfaceColumns {
     ++count;
   }
 
-  /// One of them; its material, place and distance are not known.
+  /// One of them; its material and distance are not known.
   SurfacePoint point(uint32_t i) const {
     return {{x[i], y[i], z[i]},
             {geometric_x[i], geometric_y[i], geometric_z[i]},
@@ -38,7 +38,6 @@ struct SurfaceColumns {
             0,
             rounding[i],
             0,
-            {},
             receiver_set[i],
             time[i]};
   }

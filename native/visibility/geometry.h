@@ -41,15 +41,14 @@ class Geometry {
   /// vertices. The columns are good as long as the rays are, and hold what surface_point() wants to know of
   /// a ray whose hit was found.
   void find_surfaces(const Ray* rays, uint32_t count, HitColumns& out) const;
-  /// All but the place, which few want.
   void surface_point(const HitColumns& columns, uint32_t ray, SurfacePoint& out) const;
-  void surface_place(const HitColumns& columns, uint32_t ray, SurfacePlace& out) const;
+  void surface_point(const HitColumns& columns, uint32_t ray, PlacedPoint& out) const;
   /// Of one ray, whose hit is known.
-  void surface_point(const Ray& ray, const Hit& hit, SurfacePoint& out) const;
+  void surface_point(const Ray& ray, const Hit& hit, PlacedPoint& out) const;
 
   /// A point of a triangle, seen from the side of its normal or from behind; u, v: barycentric weights of its
   /// second and third corner. `t` is 1.
-  SurfacePoint surface_point(const Hit& hit, double u, double v, bool from_behind) const;
+  PlacedPoint surface_point(const Hit& hit, double u, double v, bool from_behind) const;
   /// Of an instance, in the numbers that hits have; none if a scale of zero leaves nothing of it.
   uint32_t triangles_of(uint32_t instance) const;
 
@@ -95,7 +94,7 @@ class Geometry {
                  double time) const;
   void recompute(uint32_t count, HitColumns& columns) const;
   void set_normal(HitColumns& columns, uint32_t column) const;
-  void strand_point(const Ray& ray, const Hit& hit, SurfacePoint& s) const;
+  void strand_point(const Ray& ray, const Hit& hit, PlacedPoint& s) const;
 
   std::shared_ptr<const Opacity> opacity_;
   Normalization normalization_;

@@ -171,7 +171,12 @@ void Geometry::surface_point(const HitColumns& c, uint32_t i, SurfacePoint& s) c
   const Hit& hit = c.hits[i];
   const PlacedInstance& instance = instances_[hit.instance];
   const PlacedMesh& mesh = *meshes_[instance.mesh];
-  if (mesh.strands != StrandShape::kNone) return strand_point(ray, hit, s);
+  if (mesh.strands != StrandShape::kNone) {
+    PlacedPoint placed;
+    strand_point(ray, hit, placed);
+    s = placed;
+    return;
+  }
   const uint32_t k = c.column[i];
   s.position = c.position.get(k);
   s.geometric_normal = c.geometric_normal.get(k);
@@ -183,33 +188,33 @@ void Geometry::surface_point(const HitColumns& c, uint32_t i, SurfacePoint& s) c
   s.time = ray.time;
 }
 
-void Geometry::surface_place(const HitColumns& c, uint32_t i, SurfacePlace& place) const {
+void Geometry::surface_point(const HitColumns& c, uint32_t i, PlacedPoint& s) const {
   const Hit& hit = c.hits[i];
   const PlacedInstance& instance = instances_[hit.instance];
   const PlacedMesh& mesh = *meshes_[instance.mesh];
-  if (mesh.strands != StrandShape::kNone) return;  // strand_point() told
+  if (mesh.strands != StrandShape::kNone) return strand_point(c.rays[i], hit, s);
+  surface_point(c, i, static_cast<SurfacePoint&>(s));
   const uint32_t k = c.column[i];
-  set_owner(place, mesh, instance, c.rays[i].time);
-  place.edge1 = c.edge1.get(k);
-  place.edge2 = c.edge2.get(k);
-  place.triangle = hit.triangle;
-  place.u = c.u[k];
-  place.v = c.v[k];
-  place.backfacing = c.side[k] < 0;
+  set_owner(s.place, mesh, instance, c.rays[i].time);
+  s.place.edge1 = c.edge1.get(k);
+  s.place.edge2 = c.edge2.get(k);
+  s.place.triangle = hit.triangle;
+  s.place.u = c.u[k];
+  s.place.v = c.v[k];
+  s.place.backfacing = c.side[k] < 0;
 }
 
-void Geometry::surface_point(const Ray& ray, const Hit& hit, SurfacePoint& s) const {
+void Geometry::surface_point(const Ray& ray, const Hit& hit, PlacedPoint& s) const {
   HitColumns columns;
   columns.rays = &ray;
   columns.hits[0] = hit;
   recompute(1, columns);
   surface_point(columns, 0, s);
-  surface_place(columns, 0, s.place);
 }
 
 /// A ribbon is shaded as the tube that it stands for, as Cycles does, and rays from it start on that tube:
 /// towards the light they meet no part of the strand itself.
-void Geometry::strand_point(const Ray& ray, const Hit& hit, SurfacePoint& s) const {
+void Geometry::strand_point(const Ray& ray, const Hit& hit, PlacedPoint& s) const {
   const PlacedInstance& instance = instances_[hit.instance];
   const PlacedMesh& mesh = *meshes_[instance.mesh];
   const Moved moved(instance, ray.time);
@@ -254,7 +259,7 @@ uint32_t Geometry::triangles_of(uint32_t instance) const {
   return visible ? uint32_t(meshes_[placed.mesh]->triangles.size()) : 0;
 }
 
-SurfacePoint Geometry::surface_point(const Hit& hit, double u, double v, bool from_behind) const {
+PlacedPoint Geometry::surface_point(const Hit& hit, double u, double v, bool from_behind) const {
   const PlacedInstance& instance = instances_[hit.instance];
   const PlacedMesh& mesh = *meshes_[instance.mesh];
   const auto& corners = mesh.triangles[hit.triangle];
@@ -268,7 +273,7 @@ SurfacePoint Geometry::surface_point(const Hit& hit, double u, double v, bool fr
   const Vec3d across = cross(edge1, edge2) * instance.orientation, down = from_behind ? across : -across;
   const double size = std::max(max_abs(edge1), max_abs(edge2));
   const Vec3d direction = normalize(down) * size;
-  SurfacePoint s;
+  PlacedPoint s;
   surface_point({at[0] + edge1 * u + edge2 * v - direction, direction}, hit, s);
   return s;
 }

@@ -5,7 +5,7 @@
 namespace penumbra {
 
 double Geometry::transparency(const Ray& ray, const Hit& hit, uint8_t channel) const {
-  SurfacePoint surface;
+  PlacedPoint surface;
   surface_point(ray, hit, surface);
   return opacity_->may_be_transparent(surface.material)
              ? opacity_->transparency(surface, ray.direction, channel)

@@ -50,7 +50,7 @@ std::vector<PixelRays> collect_rays(const Scene& scene, const Geometry& geometry
         Hit hit;
         geometry.intersect(&ray, 1, &hit);
         if (!hit.found()) continue;
-        SurfacePoint surface;
+        PlacedPoint surface;
         geometry.surface_point(ray, hit, surface);
         if (light.unseen_from(surface)) continue;
         alignas(64) float u[kPoints], v[kPoints];

@@ -82,7 +82,7 @@ class Trials {
 
 /// A point to be lit, facing `normal`.
 inline SurfacePoint surface_at(const Vec3d& position, const Vec3d& normal) {
-  return {position, normal, normal, 0, 0, 0, {}};
+  return {position, normal, normal, 0, 0, 0};
 }
 
 /// A luminaire of unit radiance.

@@ -34,7 +34,9 @@ inline bool first_surface(const Geometry& geometry, const Vec3d& origin, const V
   Hit hit;
   geometry.intersect(&ray, 1, &hit);
   if (!hit.found()) return false;
-  geometry.surface_point(ray, hit, out);
+  PlacedPoint placed;
+  geometry.surface_point(ray, hit, placed);
+  out = placed;
   return true;
 }
 

@@ -18,7 +18,7 @@ using test::kPi;
 
 /// Mean of the colour that a lobe reflects towards a viewer at this angle under white light from everywhere.
 double integral(float cosine, const Lobe& lobe, float ior = 0) {
-  const SurfacePoint surface{{}, {0, 0, 1}, {0, 0, 1}, 0, 0, 0, {}};
+  const SurfacePoint surface{{}, {0, 0, 1}, {0, 0, 1}, 0, 0, 0};
   Closures closures;
   closures.add(lobe);
   const double sine = std::sqrt(1 - double(cosine) * double(cosine));
