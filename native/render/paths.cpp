@@ -68,7 +68,7 @@ PathTracer::PathTracer(const Scene& scene, const Geometry& geometry, const Mater
       scale_(geometry.normalization().scale),
       pixel_(std::abs(scene.camera().window.right - scene.camera().window.left) / settings.width) {
   for (const Material& m : scene.materials())
-    ends_paths_.push_back(seen_.empty() && !m.program && m.emission == Vec3d{} && m.mirror == Vec3d{} &&
+    ends_paths_.push_back(!m.program && m.emission == Vec3d{} && m.mirror == Vec3d{} &&
                           m.transparency == Vec3d{} && m.holdout == 0);
 }
 
@@ -84,18 +84,18 @@ void PathTracer::leave(const Part& part, PathEnd& end, const PathRecord* record)
     end.background += part.throughput * background.radiance(part.ray.direction);
 }
 
-/// Luminaires between a part's start and its end, at t_far or at infinity. As in Cycles they hide nothing,
+/// Luminaires that a part sees on its way up to t_far, which may be infinity. As in Cycles they hide nothing,
 /// neither what is behind them nor the film.
-void PathTracer::see_luminaires(const Part& part, double t_far, PathEnd& end,
-                                const PathRecord* record) const {
-  const SightLine line{part.ray.origin, part.ray.direction, part.ray.t_near, t_far, part.hit.found()};
+void PathTracer::see_luminaires(const Ray& ray, double t_far, bool blocked, const Vec3d& throughput,
+                                uint32_t mirrors, PathEnd& end, const PathRecord* record) const {
+  const SightLine line{ray.origin, ray.direction, ray.t_near, t_far, blocked};
   for (size_t i = 0; i < seen_.size(); ++i) {
     const LuminaireRole& role = seen_[i].role();
-    if (!(part.from_camera() ? role.to_camera : role.in_mirrors)) continue;
+    if (!(mirrors == 0 ? role.to_camera : role.in_mirrors)) continue;
     const double seen = seen_[i].seen_along(line);
     if (seen <= 0) continue;
-    const Vec3d radiance = part.throughput * seen_[i].radiance() * seen;
-    if (record) record->shine(radiance, part.mirrors, seen_[i].light_group());
+    const Vec3d radiance = throughput * seen_[i].radiance() * seen;
+    if (record) record->shine(radiance, mirrors, seen_[i].light_group());
     end.background += radiance;
     end.lights |= uint64_t{1} << i % 64;
   }
@@ -117,13 +117,14 @@ void PathTracer::follow(const HitColumns& found, uint32_t ray, uint32_t pixel, u
   end.lights = 0;
   end.hit = false;
   end.object = nullptr;
-  // Most rays: nothing is seen but one opaque surface, by nobody else.
+  // Most rays: an opaque surface that only reflects ends the path.
   if (const Hit& hit = found.hits[ray]; !record && hit.found()) {
     const uint32_t material = geometry_.material_of(hit);
     if (ends_paths_[material] && !geometry_.traits_of(hit.instance).holdout) {
       LitPoint& point = points.emplace_back();
       geometry_.surface_point(found, ray, point.surface);
       see(point.surface, hit, 0, end);
+      see_luminaires(found.rays[ray], point.surface.t, true, {1, 1, 1}, 0, end, nullptr);
       point.ray_direction = found.rays[ray].direction;
       point.material = &scene_.materials()[material];
       point.throughput = {1, 1, 1};
@@ -143,7 +144,7 @@ void PathTracer::follow(const HitColumns& found, uint32_t ray, uint32_t pixel, u
                                                  : INFINITY;
     bool goes_on = false;
     if (!part.hit.found()) {
-      see_luminaires(part, part.ray.t_far, end, record);
+      see_luminaires(part.ray, part.ray.t_far, false, part.throughput, part.mirrors, end, record);
       leave(part, end, record);
     } else {
       PlacedPoint surface;
@@ -154,7 +155,7 @@ void PathTracer::follow(const HitColumns& found, uint32_t ray, uint32_t pixel, u
       const ObjectTraits& traits = geometry_.traits_of(part.hit.instance);
       const Material& material = scene_.materials()[surface.material];
       const double t = surface.t;
-      see_luminaires(part, t, end, record);
+      see_luminaires(part.ray, t, true, part.throughput, part.mirrors, end, record);
       const double footprint =
           part.footprint + (perspective_ ? t * pixel_ * (part.from_camera() ? scale_ : 1.0) : 0.0);
       std::shared_ptr<const Closures> evaluated;

@@ -45,13 +45,14 @@ class PathTracer {
   struct Part;
   void leave(const Part& part, PathEnd& end, const PathRecord* record) const;
   void see(const SurfacePoint& surface, const Hit& hit, double t, PathEnd& end) const;
-  void see_luminaires(const Part& part, double t_far, PathEnd& end, const PathRecord* record) const;
+  void see_luminaires(const Ray& ray, double t_far, bool blocked, const Vec3d& throughput, uint32_t mirrors,
+                      PathEnd& end, const PathRecord* record) const;
 
   const Scene& scene_;
   const Geometry& geometry_;
   const Materials& materials_;
   std::vector<Luminaire> seen_;      // luminaires that are seen themselves
-  std::vector<uint8_t> ends_paths_;  // by material: nothing is seen but light that it reflects
+  std::vector<uint8_t> ends_paths_;  // by material: it only reflects light of luminaires
   uint32_t mirror_depth_, length_;
   bool perspective_;
   double scale_;  // of the normalization

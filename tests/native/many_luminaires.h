@@ -67,4 +67,21 @@ inline Vec3d exact_sum(const std::vector<Luminaire>& luminaires, const SurfacePo
   return sum;
 }
 
+/// Mean form factor of points that choose from a luminaire's elements evenly.
+inline double mean_of_points(const Luminaire& luminaire, const SurfacePoint& surface, Trials& trials) {
+  LightPoints points;
+  alignas(64) float u[kBatch], v[kBatch];
+  constexpr uint32_t kPoints = 1 << 16;
+  double sum = 0;
+  for (uint32_t first = 0; first < kPoints; first += kBatch) {
+    for (uint32_t k = 0; k < kBatch; ++k) {
+      u[k] = (float(first + k) + 0.5f) / kPoints;
+      v[k] = float(trials.uniform(0, 1));
+    }
+    luminaire.evaluate(surface, u, v, kBatch, points);
+    for (float f : points.form_factor) sum += double(f);
+  }
+  return sum / kPoints;
+}
+
 }  // namespace penumbra::test

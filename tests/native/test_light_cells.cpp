@@ -11,6 +11,7 @@ namespace {
 
 using test::kUnshared;
 using test::many;
+using test::mean_of_points;
 using test::surface_at;
 using test::Trials;
 
@@ -90,19 +91,7 @@ TEST(LightCells, SharedChoicesHaveTheFormFactorAsMean) {
     const Vec3d at = trials.direction() * trials.uniform(3, 6);
     const SurfacePoint surface = surface_at(at, normalize(-at + trials.direction() * 0.2));
     shared += cells.choice(surface) != nullptr;
-    LightPoints points;
-    alignas(64) float u[kBatch], v[kBatch];
-    constexpr uint32_t kPoints = 1 << 16;
-    double sum = 0;
-    for (uint32_t first = 0; first < kPoints; first += kBatch) {
-      for (uint32_t k = 0; k < kBatch; ++k) {
-        u[k] = (float(first + k) + 0.5f) / kPoints;
-        v[k] = float(trials.uniform(0, 1));
-      }
-      groups[0].evaluate(surface, u, v, kBatch, points);
-      for (float f : points.form_factor) sum += double(f);
-    }
-    EXPECT_NEAR(sum / kPoints / groups[0].form_factor(surface), 1, 0.01);
+    EXPECT_NEAR(mean_of_points(groups[0], surface, trials) / groups[0].form_factor(surface), 1, 0.01);
   }
   EXPECT_GT(shared, 10);
 }

@@ -13,6 +13,7 @@ namespace {
 using test::exact_sum;
 using test::kUnshared;
 using test::many;
+using test::mean_of_points;
 using test::surface_at;
 using test::Trials;
 
@@ -131,24 +132,13 @@ TEST(LightTree, PointsOfAGroupHaveItsFormFactorAsMean) {
   ASSERT_EQ(groups.size(), 1u);
   for (int i = 0; i < 20; ++i) {
     const SurfacePoint surface = somewhere(trials);
-    LightPoints points;
-    alignas(64) float u[kBatch], v[kBatch];
-    constexpr uint32_t kPoints = 1 << 16;
-    double sum = 0;
-    for (uint32_t first = 0; first < kPoints; first += kBatch) {
-      for (uint32_t k = 0; k < kBatch; ++k) {
-        u[k] = (float(first + k) + 0.5f) / kPoints;
-        v[k] = float(trials.uniform(0, 1));
-      }
-      groups[0].evaluate(surface, u, v, kBatch, points);
-      for (float f : points.form_factor) sum += double(f);
-    }
+    const double mean = mean_of_points(groups[0], surface, trials);
     const double exact = groups[0].form_factor(surface);
     if (exact == 0) {
-      EXPECT_EQ(sum, 0);
+      EXPECT_EQ(mean, 0);
       continue;
     }
-    EXPECT_NEAR(sum / kPoints / exact, 1, 0.01);
+    EXPECT_NEAR(mean / exact, 1, 0.01);
   }
 }
 
