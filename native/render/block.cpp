@@ -162,9 +162,9 @@ void BlockRenderer::follow(const HitColumns& found, uint32_t ray, uint32_t pixel
   view.background = end.background;
   view.alpha = end.alpha;
   if (s > 0) return;  // data passes are not filtered
-  view.object = end.object;
+  view.object = end.first.object;
   PixelValues values;
-  set_data_passes(values, end, c_.geometry.normalization());
+  set_data_passes(values, end.first, c_.geometry.normalization());
   view.depth = values.depth;
   view.normal = values.normal;
   view.position = values.position;
@@ -280,10 +280,10 @@ std::string pixel_name(uint32_t x, uint32_t y, const std::string* object) {
          ")";
 }
 
-void set_data_passes(PixelValues& values, const PathEnd& end, const Normalization& normalization) {
-  values.depth = end.hit ? end.first.t : PixelValues::kNoDepth;
-  values.normal = end.hit ? end.first.normal : Vec3d{};
-  values.position = end.hit ? normalization.world_point(end.first.position) : Vec3d{};
+void set_data_passes(PixelValues& values, const FirstSight& first, const Normalization& normalization) {
+  values.depth = first.hit ? first.t : PixelValues::kNoDepth;
+  values.normal = first.hit ? Vec3d(first.normal) : Vec3d{};
+  values.position = first.hit ? normalization.world_point(first.position) : Vec3d{};
 }
 
 void render_block(const RenderContext& context, const Rectangle& core, RenderTally& tally) {

@@ -57,7 +57,7 @@ void aim(PixelTrace& trace, const Rectangle& area);
 std::string pixel_name(uint32_t x, uint32_t y, const std::string* object);
 
 /// Depth, normal and position of what a path met first.
-void set_data_passes(PixelValues& values, const PathEnd& end, const Normalization& normalization);
+void set_data_passes(PixelValues& values, const FirstSight& first, const Normalization& normalization);
 
 /// Renders the pixels of `core` (full frame) and writes those that lie in the film's region.
 void render_block(const RenderContext& context, const Rectangle& core, RenderTally& tally);

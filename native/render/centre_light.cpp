@@ -63,7 +63,7 @@ void CentreLight::trace(std::span<const uint32_t> pixels) {
     PathEnd end;
     c_.paths.follow(found, uint32_t(i), p, stream, points_, tally_.mirror_rays, end);
     path_length_[p] = uint32_t(points_.size()) - first_point_[p];
-    if (edge_between(end, pixels_[p].first)) frame_.edge[p] = 1;
+    if (edge_between(end.first, pixels_[p].first)) frame_.edge[p] = 1;
   }
 }
 

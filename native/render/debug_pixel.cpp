@@ -73,7 +73,7 @@ std::string debug_pixel(const RenderContext& c, const Rectangle& block, uint32_t
   const uint64_t frame_pixel = uint64_t(y) * c.settings.width + x;
   PathEnd end;
   c.paths.follow(found, 0, 0, frame_pixel * c.settings.pixel_samples, points, mirror_rays, end);
-  out << pixel_name(x, y, end.object) << ", ray through its centre\n";
+  out << pixel_name(x, y, end.first.object) << ", ray through its centre\n";
   const Normalization& n = c.geometry.normalization();
   for (const LitPoint& lit : points) {
     out << "  surface point " << lit.bounce << " at " << n.world_point(lit.surface.position) << ", normal "

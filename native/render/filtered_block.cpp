@@ -176,7 +176,7 @@ void FilteredBlock::add_light(std::span<const SampleRun> runs) {
   lane = 0;
   for (const SampleRun& run : runs) {
     FilteredPixel& pixel = pixels_[run.pixel];
-    if (run.first == 0) pixel.first = packet_.ends[lane];
+    if (run.first == 0) pixel.first = packet_.ends[lane].first;
     if (run.first == 0) fit_plane(run, lane);
     for (uint32_t i = 0; i < run.count; ++i, ++lane) {
       const PathEnd& end = packet_.ends[lane];
@@ -222,7 +222,8 @@ void FilteredBlock::fit_plane(const SampleRun& run, uint32_t lane) {
   for (uint32_t i = 0; i < kFirstSamples; ++i) {
     pixel.background_fitted += ends[i].background * fit.h[i];
     residual += ends[i].background * fit.r[i];
-    uncertain = uncertain || ends[i].object != ends[0].object || ends[i].lights != ends[0].lights;
+    uncertain = uncertain || ends[i].first.object != ends[0].first.object ||
+                ends[i].first.lights != ends[0].first.lights;
   }
   for (const SlotColumns& column : packet_.contributions()) {
     Vec3d& fitted = slots(run.pixel)[column.slot].fitted;
@@ -233,8 +234,7 @@ void FilteredBlock::fit_plane(const SampleRun& run, uint32_t lane) {
       residual += unshadowed * fit.r[i];
     }
   }
-  pixel.residual = max_abs(residual) * display_scale_;
-  frame_.uncertain[run.pixel] = uncertain || pixel.residual > kResidualShare * tolerance_;
+  frame_.uncertain[run.pixel] = uncertain || max_abs(residual) * display_scale_ > kResidualShare * tolerance_;
 }
 
 void FilteredBlock::find_uncertain() {

@@ -10,17 +10,17 @@ namespace {
 
 /// Neighbours across an edge: their normals differ by more than this, or one lies off the other's plane by
 /// more than this share of their distance (a curved surface that passes the first test stays below 0.16).
-constexpr double kEdgeCosine = 0.95, kEdgeSlope = 0.2;
+constexpr float kEdgeCosine = 0.95f;
+constexpr double kEdgeSlope = 0.2;
 
 }  // namespace
 
-bool edge_between(const PathEnd& a, const PathEnd& b) {
+bool edge_between(const FirstSight& a, const FirstSight& b) {
   if (a.object != b.object || a.lights != b.lights) return true;
   if (!a.hit) return false;
-  const SeenPoint &s = a.first, &t = b.first;
-  if (dot(s.normal, t.normal) < kEdgeCosine) return true;
-  const Vec3d between = t.position - s.position;
-  const double off = dot(between, s.geometric_normal);
+  if (dot(a.normal, b.normal) < kEdgeCosine) return true;
+  const Vec3d between = b.position - a.position;
+  const double off = dot(between, Vec3d(a.geometric_normal));
   return off * off > kEdgeSlope * kEdgeSlope * dot(between, between);
 }
 

@@ -59,12 +59,11 @@ struct FilteredPixel {
   Vec3d background, background_fitted;  // sum; at the centre
   double alpha = 0;                     // sum
   double x = 0, xx = 0;                 // sums of each sample's own value and its square, display units
-  double residual = 0;  // of the plane through the first samples' unshadowed values, display units
-  double variance = 0;  // of the estimate, by its blocks, display units squared
-  double charged = 0;   // error of what was left out, display units
-  double error = 0;     // reported
+  double variance = 0;                  // of the estimate, by its blocks, display units squared
+  double charged = 0;                   // error of what was left out, display units
+  double error = 0;                     // reported
   uint64_t light_points = 0;
-  PathEnd first;
+  FirstSight first;  // of the first sample
   /// At the two powers of two before; few pixels have levels.
   struct History {
     LevelSums half, power;
@@ -104,7 +103,7 @@ void tell(PixelTrace& trace, const FilteredPixel& pixel, std::span<const Slot> s
 Vec3d same_side(const Vec3d& plane, const Vec3d& samples);
 
 /// Do two samples see different surfaces?
-bool edge_between(const PathEnd& a, const PathEnd& b);
+bool edge_between(const FirstSight& a, const FirstSight& b);
 
 /// Weights h of four samples at offsets (x, y) from the pixel's centre, such that sum h f is f's value there
 /// for every linear f (the intercept of the least-squares plane), and weights r such that |sum r f| is the

@@ -97,26 +97,29 @@ void PathTracer::see_luminaires(const Ray& ray, double t_far, bool blocked, cons
     const Vec3d radiance = throughput * seen_[i].radiance() * seen;
     if (record) record->shine(radiance, mirrors, seen_[i].light_group());
     end.background += radiance;
-    end.lights |= uint64_t{1} << i % 64;
+    end.first.lights |= uint64_t{1} << i % 64;
   }
 }
 
 /// The data passes show that surface; t: of the primary ray before.
 void PathTracer::see(const SurfacePoint& surface, const Hit& hit, double t, PathEnd& end) const {
-  end.hit = true;
-  end.object = &geometry_.name_of(hit);
-  end.first = {surface.position, surface.geometric_normal, surface.normal, t + surface.t};
+  end.first.hit = true;
+  end.first.object = &geometry_.name_of(hit);
+  end.first.position = surface.position;
+  end.first.geometric_normal = Vec3f(surface.geometric_normal);
+  end.first.normal = Vec3f(surface.normal);
+  end.first.t = t + surface.t;
 }
 
 void PathTracer::follow(const HitColumns& found, uint32_t ray, uint32_t pixel, uint64_t stream,
                         std::vector<LitPoint>& points, uint64_t& mirror_rays, PathEnd& end,
                         const PathRecord* record) const {
-  // Field by field: `first` is nothing without a hit.
+  // Field by field: `first` has no place without a hit.
   end.background = {};
   end.alpha = 1;
-  end.lights = 0;
-  end.hit = false;
-  end.object = nullptr;
+  end.first.lights = 0;
+  end.first.hit = false;
+  end.first.object = nullptr;
   // Most rays: an opaque surface that only reflects ends the path.
   if (const Hit& hit = found.hits[ray]; !record && hit.found()) {
     const uint32_t material = geometry_.material_of(hit);
@@ -167,8 +170,8 @@ void PathTracer::follow(const HitColumns& found, uint32_t ray, uint32_t pixel, u
       if (is_hole) evaluated = hole_of(evaluated ? *evaluated : material);
       const Closures& closures = evaluated ? *evaluated : material;
       const double through = closures.transparency == Vec3d{} ? 0 : average(closures.transparency);
-      if (is_hole && !end.object) end.object = &geometry_.name_of(part.hit);
-      if (!is_hole && !end.hit && part.from_camera() && 1 - through > kSeenOpacity) {
+      if (is_hole && !end.first.object) end.first.object = &geometry_.name_of(part.hit);
+      if (!is_hole && !end.first.hit && part.from_camera() && 1 - through > kSeenOpacity) {
         see(surface, part.hit, part.t, end);
         if (record && record->seen) *record->seen = {part.hit.instance, surface.material, surface.place};
       }

@@ -11,19 +11,21 @@
 
 namespace penumbra {
 
-/// What the data passes show of a surface point: it is kept for every pixel, so no more than that.
-struct SeenPoint {
-  Vec3d position, geometric_normal, normal;  // as in SurfacePoint
-  double t;                                  // along the primary ray
+/// What a primary ray sees, for data passes and edges: it is kept for every pixel, so no more than that.
+struct FirstSight {
+  // Of the surface, as in SurfacePoint; nothing without a hit:
+  Vec3d position;
+  double t;  // along the primary ray
+  Vec3f geometric_normal, normal;
+  const std::string* object = nullptr;  // or, without a hit, the first hole
+  uint64_t lights = 0;  // which luminaires were seen themselves, in mirrors too: a bit of each
+  bool hit = false;
 };
 
 struct PathEnd {
-  Vec3d background;     // light that is there without luminaires: the world's, emission
-  double alpha = 0;     // 0 where the primary ray meets nothing and the film is transparent
-  uint64_t lights = 0;  // which luminaires were seen themselves, in mirrors too: a bit of each
-  bool hit = false;     // the primary ray met something,
-  SeenPoint first;      // here
-  const std::string* object = nullptr;  // and on this object
+  Vec3d background;  // light that is there without luminaires: the world's, emission
+  double alpha = 0;  // 0 where the primary ray meets nothing and the film is transparent
+  FirstSight first;
 };
 
 class PathTracer {
