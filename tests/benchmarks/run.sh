@@ -4,6 +4,7 @@
 #   ray_rate        whole renders against a raw Embree loop
 #   against_cycles  speed against error on the example scene
 #   export          from Blender's arrays to the native scene, and the picture back
+#   animation       frames of an animation: time and memory
 #   antialiased     antialiased pictures at equal error, scene by scene
 #   scale           triangles, pixels, threads, memory, building
 #   many            1 to 10,000 luminaires
@@ -26,6 +27,8 @@ against_cycles() {
 
 export_and_back() { "${script[@]}" tests/benchmarks/export.py -- "$output" | grep "^export"; }
 
+animation() { "${script[@]}" tests/benchmarks/animation.py -- "$output" | grep "^animation"; }
+
 antialiased() { "${script[@]}" tests/benchmarks/antialiased.py -- "$output" | grep -E "P99|99th"; }
 
 scale() { build/benchmark/scale --csv | tee "$output/scale.csv"; }
@@ -35,18 +38,18 @@ many() { /usr/bin/python3 tests/benchmarks/many_luminaires.py "$output"; }
 peers() {
   local mitsuba=${XDG_CACHE_HOME:-$HOME/.cache}/penumbra/mitsuba
   bash examples/install.sh --checks
-  if ! "$mitsuba/bin/python" -c "import mitsuba" 2>/dev/null; then
+  if ! "$mitsuba/bin/python" -c "import mitsuba, numpy" 2>/dev/null; then
     /usr/bin/python3 -m venv "$mitsuba"
-    "$mitsuba/bin/pip" install --quiet mitsuba
+    "$mitsuba/bin/pip" install --quiet mitsuba numpy
   fi
   "${script[@]}" tests/benchmarks/peers.py -- "$output" 100 "$mitsuba/bin/python" | grep -vE "^(Fra:|Saved:| Time:|$)"
 }
 
 names=("$@")
-[[ $# -gt 0 ]] || names=(ray_rate against_cycles export antialiased scale many)
+[[ $# -gt 0 ]] || names=(ray_rate against_cycles export animation antialiased scale many)
 for name in "${names[@]}"; do
   case "$name" in
-    ray_rate | against_cycles | export | antialiased | scale | many | peers) ;;
+    ray_rate | against_cycles | export | animation | antialiased | scale | many | peers) ;;
     *)
       echo "run.sh: unknown benchmark '$name' (see its head)" >&2
       exit 2
