@@ -8,6 +8,7 @@
 #include <deque>
 
 #include "lighting/bounded_refine.h"
+#include "lighting/light_cut.h"
 #include "lighting/light_parts.h"
 #include "lighting/pooled_error.h"
 #include "lighting/spread.h"
@@ -19,6 +20,10 @@ namespace {
 constexpr int kGateReach = 3, kFloodReach = 2;
 /// Even: whole quads, whose first looks share packets.
 constexpr uint32_t kHalo = (kGateReach + kFloodReach + 1) / 2 * 2;
+
+/// Surface points that are looked at together: as many as stay in the first cache; where luminaires are
+/// groups with much memory of their own, so many that it is not fetched too often.
+constexpr uint32_t kLookedAt = kBatch, kLookedAtByGroups = 16 * kBatch;
 
 /// Share of a pixel's tolerance that dim luminaires may be charged for being dropped.
 constexpr double kDropShare = 0.25;
@@ -60,13 +65,14 @@ class BlockLight final : public BlockLighting {
         tally_(block.tally),
         parts_(block.parts),
         memory_(block.memory),
+        batch_(luminaires_.size() > kFewLuminaires ? kLookedAtByGroups : kLookedAt),
         item_sampler_(geometry, luminaires_, sampler, points_, settings),
         refined_(memory_),
         dropped_(memory_),
         certain_error_(memory_, block_.pixels(), 0.0) {}
 
   void look() override {
-    while (points_.size() - looked_at_ >= kBatch) look_at_quads();
+    while (points_.size() - looked_at_ >= batch_) look_at_quads();
   }
 
   void finish() override {
@@ -118,6 +124,7 @@ class BlockLight final : public BlockLighting {
   LightTally& tally_;
   LightParts* parts_;
   BlockMemory& memory_;
+  uint32_t batch_;
   ItemSampler item_sampler_;
   uint32_t looked_at_ = 0;  // points
   // Of some quads that the first look is at: each point's quad, and the number of its pixel among theirs;
@@ -141,7 +148,7 @@ LightDecision BlockLight::decision(const BlockItem& item) const {
                         : LightDecision{bounce, item.luminaire, "wholly hidden", kFirstLook, {}};
 }
 
-/// Whole quads of 2 x 2 pixels, which share packets, of about kBatch points from `begin` on. A block's first
+/// Whole quads of 2 x 2 pixels, which share packets, of about batch_ points from `begin` on. A block's first
 /// row and column are even in the frame, so that its quads are the frame's. Returns where they end.
 uint32_t BlockLight::find_quads(uint32_t begin) {
   quad_.clear();
@@ -150,7 +157,7 @@ uint32_t BlockLight::find_quads(uint32_t begin) {
   for (; end < points_.size(); ++end) {
     const uint32_t p = points_[end].pixel, quad = p / block_.width / 2 * block_.width + p % block_.width / 2;
     if (end > begin && quad != quad_.back()) whole = end;
-    if (end - begin >= kBatch && whole > begin) return whole;
+    if (end - begin >= batch_ && whole > begin) return whole;
     place_.push_back(end == begin ? 0 : place_.back() + (p != points_[end - 1].pixel));
     quad_.push_back(quad);
   }
