@@ -164,21 +164,28 @@ const LightChoice* LightCells::choice(const SurfacePoint& surface) {
 }
 
 double shared_cube_side(std::span<const Vec3d> points) {
-  double smallest = std::numeric_limits<double>::infinity();
-  if (points.size() < 4) return smallest;
+  std::set<std::array<double, 3>> places;  // two points in one place share every cube
   Box bounds;
-  for (const Vec3d& p : points) bounds.include(p);
-  const double extent = max_component(bounds.extent());
-  if (!(extent > 0) || !std::isfinite(extent)) return smallest;
-  for (int level = std::ilogb(extent);; --level) {
-    const double side = std::ldexp(1.0, level);
+  double reach = 0;
+  for (const Vec3d& p : points) {
+    if (!is_finite(p)) continue;
+    places.insert({p.x, p.y, p.z});
+    bounds.include(p);
+    reach = std::max(reach, max_abs(p));
+  }
+  double smallest = std::numeric_limits<double>::infinity();
+  if (places.size() < 4) return smallest;
+  // Down to where the points' own rounding is as large as cubes.
+  for (double side = std::ldexp(1.0, std::ilogb(max_component(bounds.extent()))); side > reach * 0x1p-52;
+       side /= 2) {
     std::set<std::array<int64_t, 3>> cubes;
-    for (const Vec3d& p : points)
-      cubes.insert({int64_t(std::floor(p.x / side)), int64_t(std::floor(p.y / side)),
-                    int64_t(std::floor(p.z / side))});
-    if (cubes.size() * 4 > points.size() * 3) return smallest;
+    for (const auto& [x, y, z] : places)
+      cubes.insert(
+          {int64_t(std::floor(x / side)), int64_t(std::floor(y / side)), int64_t(std::floor(z / side))});
+    if (cubes.size() * 4 > places.size() * 3) return smallest;
     smallest = side;
   }
+  return smallest;
 }
 
 }  // namespace penumbra

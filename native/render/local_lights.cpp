@@ -22,12 +22,12 @@ std::vector<LitPoint> probe(const RenderContext& c, const Rectangle& block) {
       rays.push_back(c.camera.through(std::min(x, right - 1) + 0.5, std::min(y, top - 1) + 0.5));
   std::vector<LitPoint> points;
   uint64_t mirror_rays = 0;
-  rays.resize((rays.size() + kPacket - 1) / kPacket * kPacket, rays.back());
   for (size_t first = 0; first < rays.size(); first += kPacket) {
     HitColumns found;
     PathEnd end;
-    c.geometry.find_surfaces(&rays[first], kPacket, found);
-    for (uint32_t i = 0; i < kPacket; ++i) c.paths.follow(found, i, 0, 0, points, mirror_rays, end);
+    const uint32_t count = uint32_t(std::min<size_t>(kPacket, rays.size() - first));
+    c.geometry.find_surfaces(&rays[first], count, found);
+    for (uint32_t i = 0; i < count; ++i) c.paths.follow(found, i, 0, 0, points, mirror_rays, end);
   }
   return points;
 }

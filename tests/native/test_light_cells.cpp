@@ -102,6 +102,13 @@ TEST(LightCells, CubesHoldEnoughOfThePoints) {
   EXPECT_EQ(shared_cube_side(grid), 0.25);  // of 0.125 there are 49
   EXPECT_EQ(shared_cube_side(std::vector<Vec3d>(3)), kUnshared);
   EXPECT_EQ(shared_cube_side(std::vector<Vec3d>(8)), kUnshared);  // of no extent
+  const double alone = shared_cube_side(grid);
+  grid.resize(512, grid.back());  // one of them very often
+  EXPECT_EQ(shared_cube_side(grid), alone);
+  // Next to each other as far as doubles tell: no cube is small enough to part them.
+  std::vector<Vec3d> close;
+  for (int i = 0; i < 8; ++i) close.push_back({1 + i * 0x1p-52, 1, 1});
+  EXPECT_LT(shared_cube_side(close), 1e-14);
 }
 
 }  // namespace

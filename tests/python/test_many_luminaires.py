@@ -135,6 +135,16 @@ def test_same_picture_for_any_threads_and_borders(primaries):
         assert np.array_equal(values, np.concatenate([left.passes[name], right.passes[name]], axis=1)), name
 
 
+def test_few_pixels_in_the_frame_s_last_block():
+    """How pixels may share light is told by rays through every eighth pixel of a block: here through eight, which met
+    the floor and made the search for a cube's size endless when the last of them counted again to fill a packet."""
+    scene, size, part = hall.__wrapped__(64), (72, 64), (64, 24, 8, 16)
+    scene.set_camera("PERSPECTIVE", translation(0, 0, 3.5), (-0.9, 0.9, -0.8, 0.8), (0.01, 1000.0))
+    true = colour(render(scene, *size, region=part, stop_rule="FIXED", light_samples=1024, seed=4711))
+    picture = colour(render(scene, *size, region=part, stop_rule="BOUNDED", error_tolerance=0.02))
+    assert np.quantile(np.abs(picture - true), 0.99) < 0.02 < true.mean()
+
+
 @pytest.mark.parametrize("primaries", [1, 16])
 def test_borders_do_not_show_where_pixels_share_light(primaries):
     """Pixels close enough, and groups large enough, that cubes of space hold the light of groups for many pixels."""
