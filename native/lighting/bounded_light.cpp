@@ -91,12 +91,6 @@ class BlockLight final : public BlockLighting {
   size_t slot(const LookedItem& item) const {
     return points_[item.point].bounce * luminaires_.size() + item.luminaire;
   }
-  bool in_core(uint32_t pixel, int margin) const {
-    const int x = int(pixel % block_.width) - int(block_.core_x),
-              y = int(pixel / block_.width) - int(block_.core_y);
-    return x >= -margin && y >= -margin && x < int(block_.core_width) + margin &&
-           y < int(block_.core_height) + margin;
-  }
   template <typename Function>
   void for_items(Function function) {
     for (Slot& slot : slots_)
@@ -197,7 +191,7 @@ void BlockLight::find_items(uint32_t begin, uint32_t end) {
       for (uint32_t p = first; p < last; ++p) {
         tally_.stop_if_cancelled();
         if (form_factors[p - first] <= 0) {
-          tally_.decided_without_ray += in_core(points_[p].pixel, 0);
+          tally_.decided_without_ray += block_.in_core(points_[p].pixel, 0);
           continue;
         }
         const LookedItem item = item_sampler_.make(p, l, form_factors[p - first]);
@@ -223,7 +217,7 @@ void BlockLight::drop_dim_items(uint32_t begin) {
       charge += items_[i].size() / 2;
       if (charge > kDropShare * settings_.tolerance) break;
       dropped[i] = 1;
-      tally_.decided_without_ray += in_core(items_[i].pixel, 0);
+      tally_.decided_without_ray += block_.in_core(items_[i].pixel, 0);
       dropped_.push_back(items_[i]);
     }
   }
@@ -281,7 +275,7 @@ void BlockLight::flood(Slot& slot) {
   Reused<uint8_t> mixed(memory_, block_.pixels());
   bool any = false;
   for (const BlockItem& item : slot.items) {
-    if (!item.uncertain() || !in_core(item.pixel, kFloodReach)) continue;
+    if (!item.uncertain() || !block_.in_core(item.pixel, kFloodReach)) continue;
     BoundedItem& refined = refined_[item.refined];
     item_sampler_.advance(refined, next_level(0), tally_);
     mixed[item.pixel] = refined.lit > 0 && refined.lit < refined.facing;
@@ -315,7 +309,7 @@ void BlockLight::refine_tiles() {
   const uint32_t rows = (block_.core_height + kTile - 1) / kTile;
   std::vector<std::vector<BoundedItem*>> tiles(size_t(columns) * rows);
   for_items([&](const BlockItem& item) {
-    if (!item.uncertain() || !in_core(item.pixel, 0)) return;
+    if (!item.uncertain() || !block_.in_core(item.pixel, 0)) return;
     const uint32_t x = item.pixel % block_.width - block_.core_x,
                    y = item.pixel / block_.width - block_.core_y;
     tiles[y / kTile * columns + x / kTile].push_back(&refined_[item.refined]);

@@ -44,6 +44,11 @@ struct Block {
   uint32_t core_x, core_y, core_width, core_height;  // in the block
 
   uint32_t pixels() const { return width * height; }
+  /// A pixel of the block lies so far from the core at most.
+  bool in_core(uint32_t pixel, int margin) const {
+    const int x = int(pixel % width) - int(core_x), y = int(pixel / width) - int(core_y);
+    return x >= -margin && y >= -margin && x < int(core_width) + margin && y < int(core_height) + margin;
+  }
 };
 
 /// Light that a pixel gets.

@@ -12,13 +12,9 @@ namespace {
 /// read: without zeroing it first.
 struct PixelView {
   PixelView() {}
-  // The current one:
-  Vec3d background;  // in mirrors too
-  double alpha;
-  // The first one:
-  double depth;
-  Vec3d normal, position;
-  const std::string* object;
+  Vec3d background;  // of the current one, in mirrors too
+  double alpha;      // of the current one
+  FirstSight first;  // of the first one: data passes are not filtered
 };
 
 /// Of a pixel's primary rays.
@@ -161,13 +157,7 @@ void BlockRenderer::follow(const HitColumns& found, uint32_t ray, uint32_t pixel
   PixelView& view = views_[pixel];
   view.background = end.background;
   view.alpha = end.alpha;
-  if (s > 0) return;  // data passes are not filtered
-  view.object = end.first.object;
-  PixelValues values;
-  set_data_passes(values, end.first, c_.geometry.normalization());
-  view.depth = values.depth;
-  view.normal = values.normal;
-  view.position = values.position;
+  if (s == 0) view.first = end.first;
 }
 
 PathRecord BlockRenderer::record_of(uint32_t pixel, bool first) {
@@ -193,9 +183,7 @@ PixelValues BlockRenderer::resolve(const PixelSums& sums, const PixelView& view)
   PixelValues values;
   values.combined = sums.radiance / n;
   values.alpha = sums.alpha / n;
-  values.depth = view.depth;
-  values.normal = view.normal;
-  values.position = view.position;
+  set_data_passes(values, view.first, c_.geometry.normalization());
   values.light_samples = sums.points;
   values.error_estimate = sums.error;
   if (n > 1) {
@@ -224,7 +212,7 @@ void BlockRenderer::write(uint32_t pixel, uint32_t x, uint32_t y, const PixelSum
   const bool broken = c_.film.write(x, y, resolve(sums, views_[pixel])),
              extra_broken = c_.extras.any() && write_extras(pixel, x, y);
   if ((broken || extra_broken) && tally_.non_finite_pixels++ == 0)
-    tally_.first_non_finite = pixel_name(x, y, views_[pixel].object);
+    tally_.first_non_finite = pixel_name(x, y, views_[pixel].first.object);
 }
 
 }  // namespace

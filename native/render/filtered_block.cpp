@@ -32,7 +32,6 @@ class FilteredBlock {
 
  private:
   std::span<Slot> slots(uint32_t p) { return frame_.of_pixel(p); }
-  bool in_core(uint32_t p, int margin) const;
   /// Penumbra on a smooth surface: rays from the centre serve.
   bool is_smooth(uint32_t p) const { return frame_.uncertain[p] && !frame_.edge[p]; }
   template <typename Function>
@@ -88,12 +87,6 @@ FilteredBlock::FilteredBlock(const RenderContext& context, const Rectangle& core
   pixels_.resize(block_.pixels());
   if (tally.light.trace) aim(*tally.light.trace, area_);
   if (c_.extras.any()) parts_ = std::make_unique<FilteredParts>(c_, frame_, block_.pixels());
-}
-
-bool FilteredBlock::in_core(uint32_t p, int margin) const {
-  const int x = int(p % block_.width) - int(block_.core_x), y = int(p / block_.width) - int(block_.core_y);
-  return x >= -margin && y >= -margin && x < int(block_.core_width) + margin &&
-         y < int(block_.core_height) + margin;
 }
 
 void FilteredBlock::run() {
@@ -297,7 +290,7 @@ void FilteredBlock::flood() {
 void FilteredBlock::start(std::span<const uint32_t> quad, int margin) {
   uint32_t smooth[4], count = 0;
   for (uint32_t p : quad)
-    if (is_smooth(p) && in_core(p, margin)) smooth[count++] = p;
+    if (is_smooth(p) && block_.in_core(p, margin)) smooth[count++] = p;
   centres_.start({smooth, count});
   first_level(quad, margin);
 }
@@ -306,7 +299,7 @@ void FilteredBlock::start(std::span<const uint32_t> quad, int margin) {
 void FilteredBlock::first_level(std::span<const uint32_t> quad, int margin) {
   uint32_t edges[4], count = 0;
   for (uint32_t p : quad)
-    if (frame_.edge[p] && pixels_[p].count < kPacket && in_core(p, margin)) edges[count++] = p;
+    if (frame_.edge[p] && pixels_[p].count < kPacket && block_.in_core(p, margin)) edges[count++] = p;
   const std::span<const uint32_t> some(edges, count);
   for (uint32_t p : some) mark_unseen(p);
   trace_each(some, kFirstSamples, 8 - kFirstSamples);
@@ -371,7 +364,7 @@ void FilteredBlock::write() {
   const Rectangle& region = c_.film.region();
   for (uint32_t p = 0; p < block_.pixels(); ++p) {
     const uint32_t x = area_.x + p % block_.width, y = area_.y + p / block_.width;
-    if (!in_core(p, 0) || x - region.x >= region.width || y - region.y >= region.height) continue;
+    if (!block_.in_core(p, 0) || x - region.x >= region.width || y - region.y >= region.height) continue;
     const FilteredPixel& pixel = pixels_[p];
     const std::span<const Slot> slot = slots(p);
     PixelLight light = pixel.light(slot);
