@@ -168,7 +168,7 @@ Affine read_transform(const py::array& array, const std::string& name, const cha
   return {column(0), column(1), column(2), column(3)};
 }
 
-py::array_t<float> copy_block(const std::vector<float>& pass, size_t pass_width, size_t channels, size_t x,
+py::array_t<float> copy_block(std::span<const float> pass, size_t pass_width, size_t channels, size_t x,
                               size_t y, size_t width, size_t height) {
   py::array_t<float> result({py::ssize_t(height * width), py::ssize_t(channels)});
   float* out = result.mutable_data();

@@ -6,6 +6,7 @@
 #include <pybind11/pybind11.h>
 
 #include <array>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -44,7 +45,7 @@ std::vector<uint32_t> read_slots(const py::array& array, const std::string& name
 Affine read_transform(const py::array& array, const std::string& name, const char* argument);
 
 /// Copies rows x channels floats into a new array.
-py::array_t<float> copy_block(const std::vector<float>& pass, size_t pass_width, size_t channels, size_t x,
+py::array_t<float> copy_block(std::span<const float> pass, size_t pass_width, size_t channels, size_t x,
                               size_t y, size_t width, size_t height);
 
 }  // namespace penumbra::python

@@ -124,7 +124,7 @@ class PythonRender {
   py::array_t<float> view(const py::object& owner, const std::string& name) const {
     const Film& film = renderer_->film();
     const auto channels = py::ssize_t(pass_channels(name));
-    const std::vector<float>& values = film.pass(name);
+    const std::span<const float> values = film.pass(name);
     py::array_t<float> result({py::ssize_t(values.size()) / channels, channels}, values.data(), owner);
     result.attr("setflags")(py::arg("write") = false);
     return result;

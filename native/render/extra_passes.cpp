@@ -149,7 +149,7 @@ bool ExtraPasses::write(uint32_t x, uint32_t y, const SeenObject& seen, const Pi
     for (uint32_t i = 0; i < pass.channels; ++i) {
       const float rounded = float(values[i]);
       clean = clean && std::isfinite(rounded);
-      (*pass.pixels)[at * pass.channels + i] = std::isfinite(rounded) ? rounded : 0.0f;
+      pass.pixels[at * pass.channels + i] = std::isfinite(rounded) ? rounded : 0.0f;
     }
   }
   return !clean;

@@ -41,7 +41,7 @@ class ExtraPasses {
     uint32_t part = 0, colour = 0;  // kLight: the part divided by its colour
     Matte matte = Matte::kObject;
     uint32_t level = 0;  // of the matte: ranks 2 level and 2 level + 1
-    std::vector<float>* pixels = nullptr;
+    float* pixels = nullptr;
     uint32_t channels = 0;
   };
   struct Rank {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <new>
 #include <stdexcept>
 
 namespace penumbra {
@@ -33,10 +34,15 @@ uint32_t pass_channels(const std::string& name) {
   return is_matte(name) ? 4 : 0;
 }
 
+FilmPass::FilmPass(size_t size)
+    : values_(static_cast<float*>(std::calloc(size, sizeof(float)))), size_(size) {
+  if (size > 0 && !values_) throw std::bad_alloc();
+}
+
 Film::Film(const Rectangle& region, const std::vector<std::string>& passes) : region_(region) {
-  for (const std::string& name : passes)
-    passes_[name].resize(size_t(region.width) * region.height * pass_channels(name));
-  passes_["Error Estimate"].resize(size_t(region.width) * region.height);
+  const size_t pixels = size_t(region.width) * region.height;
+  for (const std::string& name : passes) passes_[name] = FilmPass(pixels * pass_channels(name));
+  passes_["Error Estimate"] = FilmPass(pixels);
   combined_ = find("Combined");
   depth_ = find("Depth");
   normal_ = find("Normal");
@@ -51,23 +57,23 @@ uint64_t Film::bytes(const Rectangle& region, const std::vector<std::string>& pa
   return uint64_t(region.width) * region.height * channels * sizeof(float);
 }
 
-std::vector<float>* Film::find(const std::string& name) {
+float* Film::find(const std::string& name) {
   const auto found = passes_.find(name);
-  return found == passes_.end() ? nullptr : &found->second;
+  return found == passes_.end() ? nullptr : found->second.values().data();
 }
 
-const std::vector<float>& Film::pass(const std::string& name) const {
+std::span<const float> Film::pass(const std::string& name) const {
   const auto found = passes_.find(name);
   if (found == passes_.end()) throw std::invalid_argument("the pass '" + name + "' was not rendered");
-  return found->second;
+  return found->second.values();
 }
 
 template <typename Passes, typename Visit>
 void Film::for_each_row(Passes& passes, const Rectangle& area, const Visit& visit) const {
-  for (auto& [name, values] : passes) {
+  for (auto& [name, pass] : passes) {
     const size_t channels = pass_channels(name);
     for (uint32_t y = area.y - region_.y; y < area.y - region_.y + area.height; ++y)
-      visit(values.data() + (size_t(y) * region_.width + (area.x - region_.x)) * channels,
+      visit(pass.values().data() + (size_t(y) * region_.width + (area.x - region_.x)) * channels,
             area.width * channels);
   }
 }
@@ -89,16 +95,16 @@ void Film::paste(const Rectangle& area, const std::vector<float>& values) {
 bool Film::write(uint32_t x, uint32_t y, const PixelValues& values) {
   const size_t pixel = size_t(y - region_.y) * region_.width + (x - region_.x);
   bool clean = true;
-  const auto store = [&](std::vector<float>* pass, uint32_t channels, std::initializer_list<double> numbers) {
+  const auto store = [&](float* pass, uint32_t channels, std::initializer_list<double> numbers) {
     if (!pass) return;
-    float* out = pass->data() + pixel * channels;
+    float* out = pass + pixel * channels;
     for (double number : numbers) {
       const float rounded = float(number);
       clean = clean && std::isfinite(rounded);
       *out++ = std::isfinite(rounded) ? rounded : 0.0f;
     }
   };
-  const auto store3 = [&](std::vector<float>* pass, const Vec3d& v) { store(pass, 3, {v.x, v.y, v.z}); };
+  const auto store3 = [&](float* pass, const Vec3d& v) { store(pass, 3, {v.x, v.y, v.z}); };
   const double alpha = std::clamp(values.alpha, 0.0, 1.0);  // a surface may pass on more than it gets
   store(combined_, 4, {values.combined.x, values.combined.y, values.combined.z, alpha});
   store(depth_, 1, {values.depth});

@@ -5,7 +5,6 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <numeric>
 #include <stdexcept>
 #include <system_error>
 #include <utility>
@@ -52,13 +51,6 @@ RenderSettings affordable(const RenderSettings& given) {
   if (limit > 0 && bytes > limit)
     throw MemoryLimitReached(limit, "the picture alone needs " + std::to_string((bytes >> 20) + 1) + " MiB");
   return settings;
-}
-
-/// Moves the 99th percentile to its place, all larger values behind it.
-std::vector<float>::iterator percentile_99(std::vector<float>& values) {
-  const auto p99 = values.begin() + std::ptrdiff_t((values.size() - 1) * 99 / 100);
-  std::nth_element(values.begin(), p99, values.end());
-  return p99;
 }
 
 /// Where shadows are coloured each channel has its own: luminaires of one channel, as coloured skies are.
@@ -313,13 +305,16 @@ void Renderer::finish_block(Bucket& bucket, const RenderTally& tally) {
 }
 
 /// Tells whoever waits of a finished bucket, relative to the region.
-void Renderer::report(const Bucket& bucket) {
+void Renderer::report(Bucket& bucket) {
   const Rectangle area{bucket.area.x - settings_.region.x, bucket.area.y - settings_.region.y,
                        bucket.area.width, bucket.area.height};
-  const std::vector<float>& errors = film_.pass("Error Estimate");
+  const std::span<const float> errors = film_.pass("Error Estimate");
   for (uint32_t y = area.y; y < area.y + area.height; ++y)
-    for (uint32_t x = area.x; x < area.x + area.width; ++x)
-      finished_errors_.add(errors[size_t(y) * settings_.region.width + x]);
+    for (float error : errors.subspan(size_t(y) * settings_.region.width + area.x, area.width)) {
+      finished_errors_.add(error);
+      bucket.error_sum += double(error);
+      bucket.error_max = std::max(bucket.error_max, error);
+    }
   finished_.push_back(area);
 }
 
@@ -354,12 +349,17 @@ void Renderer::finish() {
 
 void Renderer::summarize() {
   RenderTally sum;
-  for (const auto& bucket : buckets_) sum += bucket->tally;
-  std::vector<float> errors = film_.pass("Error Estimate");
-  statistics_.error_mean = std::accumulate(errors.begin(), errors.end(), 0.0) / double(errors.size());
-  const auto p99 = percentile_99(errors);
-  statistics_.error_p99 = *p99;
-  statistics_.error_max = *std::max_element(p99, errors.end());
+  double error_sum = 0;
+  float error_max = 0;
+  for (const auto& bucket : buckets_) {
+    sum += bucket->tally;
+    error_sum += bucket->error_sum;
+    error_max = std::max(error_max, bucket->error_max);
+  }
+  const std::span<const float> errors = film_.pass("Error Estimate");
+  statistics_.error_mean = error_sum / double(errors.size());
+  statistics_.error_p99 = finished_errors_.exact_quantile(0.99, errors);
+  statistics_.error_max = error_max;
   statistics_.tally = std::move(sum);
 }
 

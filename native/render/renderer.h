@@ -62,6 +62,8 @@ class Renderer {
     std::vector<Rectangle> blocks;  // full frame, whole tiles
     size_t blocks_left = 0;         // guarded by mutex_, as is the tally
     RenderTally tally;
+    double error_sum = 0;  // of its pixels' estimates; both once it is reported
+    float error_max = 0;
   };
 
   uint32_t thread_count() const;
@@ -75,7 +77,7 @@ class Renderer {
   void run_thread(double begin);
   void work();
   void finish_block(Bucket& bucket, const RenderTally& tally);
-  void report(const Bucket& bucket);
+  void report(Bucket& bucket);
   void summarize();
 
   std::shared_ptr<const Scene> scene_;

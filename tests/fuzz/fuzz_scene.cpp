@@ -248,7 +248,7 @@ void check(const Film& film, const RenderSettings& settings) {
   for (const std::string& name : settings.passes)
     for (float value : film.pass(name))
       if (!std::isfinite(value)) fail("a value of " + name + " is not finite");
-  const std::vector<float>& combined = film.pass("Combined");
+  const std::span<const float> combined = film.pass("Combined");
   for (size_t i = 3; i < combined.size(); i += 4)
     if (!(combined[i] >= -1e-6f && combined[i] <= 1 + 1e-6f)) fail("alpha is not in 0 ... 1");
 }
@@ -294,7 +294,8 @@ void render(Bytes& in) {
   if (!twin) return;
   twin->finish();
   for (const std::string& name : settings.passes)
-    if (renderer.film().pass(name) != twin->film().pass(name)) fail("two renders differ in " + name);
+    if (!std::ranges::equal(renderer.film().pass(name), twin->film().pass(name)))
+      fail("two renders differ in " + name);
 }
 
 }  // namespace

@@ -58,7 +58,8 @@ class Renders : public ::testing::TestWithParam<bool> {
     const auto render = make();
     render->start();
     render->finish();
-    return render->film().pass("Combined");
+    const std::span<const float> values = render->film().pass("Combined");
+    return {values.begin(), values.end()};
   }
 
   std::shared_ptr<const Geometry> geometry_;
@@ -157,6 +158,7 @@ TEST(ErrorHistogram, TellsQuantiles) {
     const double exact = values[size_t(double(values.size() - 1) * share)], told = histogram.quantile(share);
     EXPECT_GE(told, exact);
     EXPECT_LE(told, exact * (1 + 1.0 / 32));
+    EXPECT_EQ(histogram.exact_quantile(share, values), exact);
   }
 }
 
