@@ -2,12 +2,22 @@
 #include "lighting/direct_light.h"
 
 #include <algorithm>
+#include <memory>
 
 #include "lighting/lobe_colours.h"
 #include "sampling/hash.h"
 #include "visibility/shadow_rays.h"
 
 namespace penumbra {
+
+namespace {
+
+/// Of glossy lobes, r, g, b, by light point.
+struct LobeColours {
+  Vec3f seen[kBatch], unshadowed[kBatch];
+};
+
+}  // namespace
 
 class DirectLight::OnBlock final : public BlockLighting {
  public:
@@ -82,7 +92,8 @@ DirectLight::Estimate DirectLight::from(const Luminaire& luminaire, const Shadin
   Moments moments;
   double all_diffuse = 0, all_glossy = 0;  // sums without shadows, if parts are wanted
   Vec3d seen_colours, all_colours;         // of the lobes, likewise
-  Vec3f colours[kBatch], unshadowed_colours[kBatch];
+  // An optional one would be zeroed always: three per cent of a render without such lobes.
+  const auto colours = has_lobes ? std::make_unique<LobeColours>() : nullptr;
   alignas(64) float u[kBatch], v[kBatch], specular[kBatch], unshadowed[kBatch], unshadowed_specular[kBatch];
   alignas(64) int ray_of[kBatch];
   LightPoints points;
@@ -101,16 +112,16 @@ DirectLight::Estimate DirectLight::from(const Luminaire& luminaire, const Shadin
     sampler_.points(key, first, generated, u, v);
     luminaire.evaluate(point.surface, u, v, generated, points);
     std::fill(f + used, f + generated, 0.0f);  // generated, but not asked for
-    std::fill(ray_of, ray_of + generated, 0);
     if (parts) {
       std::copy(f, f + used, unshadowed);
       if (point.has_glossy)
-        evaluate_glossy(point, x, y, z, unshadowed, used, unshadowed_specular, unshadowed_colours);
+        evaluate_glossy(point, x, y, z, unshadowed, used, unshadowed_specular,
+                        colours ? colours->unshadowed : nullptr);
       weigh_diffuse(point, x, y, z, used, unshadowed);
     }
-    for (uint32_t k = 0; luminaire.casts_shadow() && k < used; k += kPacket)
-      traced += rays.hide(x + k, y + k, z + k, f + k, ray_of + k);
-    if (point.has_glossy) evaluate_glossy(point, x, y, z, f, used, specular, colours);
+    if (luminaire.casts_shadow()) traced += rays.hide(generated, x, y, z, f, ray_of);
+    if (point.has_glossy)
+      evaluate_glossy(point, x, y, z, f, used, specular, colours ? colours->seen : nullptr);
     weigh_diffuse(point, x, y, z, used, f);
     // The rule sees the points as if they came one by one.
     uint32_t added = 0;
@@ -127,11 +138,12 @@ DirectLight::Estimate DirectLight::from(const Luminaire& luminaire, const Shadin
       all_diffuse += double(unshadowed[i]);
       if (point.has_glossy) all_glossy += double(unshadowed_specular[i]);
     }
-    for (uint32_t i = 0; has_lobes && i < added; ++i) {
-      seen_colours += Vec3d(colours[i]);
-      if (parts) all_colours += Vec3d(unshadowed_colours[i]);
+    for (uint32_t i = 0; colours && i < added; ++i) {
+      seen_colours += Vec3d(colours->seen[i]);
+      if (parts) all_colours += Vec3d(colours->unshadowed[i]);
     }
-    for (uint32_t i = added; i < used; ++i) tally.shadow_rays_beyond_stop += uint64_t(-ray_of[i]);
+    for (uint32_t i = added; luminaire.casts_shadow() && i < used; ++i)
+      tally.shadow_rays_beyond_stop += uint64_t(-ray_of[i]);
   }
   tally.light_points += uint64_t(moments.count);
   tally.shadow_rays += traced;

@@ -151,7 +151,8 @@ void ItemSampler::advance(BoundedItem& item, uint32_t target, LightTally& tally)
         if (!(dimmed >> i & 1)) f[i] = 0;
       }
     }
-    if (luminaire.casts_shadow()) tally.shadow_rays += rays.hide(points.x, points.y, points.z, f, traced);
+    if (luminaire.casts_shadow())
+      tally.shadow_rays += rays.hide(kPacket, points.x, points.y, points.z, f, traced);
     for (uint32_t i = 0; looked && i < kFirstLook; ++i)
       if (!(dimmed >> i & 1)) f[i] = known[i];
     if (point.has_glossy) {

@@ -4,23 +4,30 @@
 #include "math/simd.h"
 
 namespace penumbra {
+namespace {
 
+/// The lanes' sum, as a tree.
+inline double sum_lanes(const double* s) {
+  static_assert(kPacket == 16);
+  double quarter[4];
+  for (size_t i = 0; i < 4; ++i) quarter[i] = (s[i] + s[i + 8]) + (s[i + 4] + s[i + 12]);
+  return (quarter[0] + quarter[2]) + (quarter[1] + quarter[3]);
+}
+
+}  // namespace
+
+/// One step a loop: compilers unroll loops of several before they think of vectors.
 PENUMBRA_VECTORIZED
 PacketSums sum_packets(const float* a, const float* b, uint32_t packets) {
   double s[kPacket] = {}, t[kPacket] = {};
-  for (uint32_t packet = 0; packet < packets; ++packet) {
-    for (uint32_t i = 0; i < kPacket; ++i) {
-      s[i] += double(a[packet * kPacket + i]);
-      t[i] += double(a[packet * kPacket + i]) * double(b[packet * kPacket + i]);
-    }
+  for (const float* end = a + size_t(packets) * kPacket; a < end; a += kPacket, b += kPacket) {
+    double x[kPacket], y[kPacket];
+    for (size_t i = 0; i < kPacket; ++i) x[i] = double(a[i]);
+    for (size_t i = 0; i < kPacket; ++i) y[i] = double(b[i]);
+    for (size_t i = 0; i < kPacket; ++i) s[i] += x[i];
+    for (size_t i = 0; i < kPacket; ++i) t[i] += x[i] * y[i];
   }
-  for (uint32_t half = kPacket / 2; half; half /= 2) {
-    for (uint32_t i = 0; i < half; ++i) {
-      s[i] += s[i + half];
-      t[i] += t[i + half];
-    }
-  }
-  return {s[0], t[0]};
+  return {sum_lanes(s), sum_lanes(t)};
 }
 
 }  // namespace penumbra

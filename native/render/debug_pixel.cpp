@@ -27,7 +27,7 @@ std::string visibility_mask(const RenderContext& c, const Sampler& sampler, cons
     if (points.form_factor[i] > 0) mask[i] = '.';
   if (c.luminaires[luminaire].casts_shadow())
     ShadowRays(c.geometry, lit.surface, c.luminaires[luminaire].shadow_kind())
-        .hide(points.x, points.y, points.z, points.form_factor, traced);
+        .hide(kPacket, points.x, points.y, points.z, points.form_factor, traced);
   for (uint32_t i = 0; i < kPacket; ++i)
     if (points.form_factor[i] > 0) mask[i] = '#';
   return mask;

@@ -15,13 +15,14 @@ struct Treatment {
   uint32_t scramble_u = 0, scramble_v = 0, shift_u = 0, shift_v = 0;
 };
 
-/// Digits scrambled (if asked), shifted modulo 1, and rounded down to 24 bits, so that 1 can't occur.
+/// Digits, in reverse order where they are to be scrambled, shifted modulo 1, and rounded down to 24 bits, so
+/// that 1 can't occur.
 PENUMBRA_VECTORIZED
 void to_unit_square(const uint32_t* in, uint32_t count, bool owen, uint32_t scramble, uint32_t shift,
                     float* out) {
   if (owen) {
     for (uint32_t i = 0; i < count; ++i) {
-      const uint32_t x = reverse_bits(owen_scramble_reversed(reverse_bits(in[i]), scramble)) + shift;
+      const uint32_t x = reverse_bits(owen_scramble_reversed(in[i], scramble)) + shift;
       out[i] = float(int32_t(x >> 8)) * 0x1p-24f;
     }
   } else {
@@ -78,8 +79,8 @@ void SequenceSampler::fill_table() {
   if (settings_.fixed_count) sort_table();
   for (uint32_t i = 0; i < count; ++i) {
     const FixedPoint2 p = base_point(index_[i]);
-    u_[i] = p.u;
-    v_[i] = p.v;
+    u_[i] = digits(p.u);
+    v_[i] = digits(p.v);
   }
 }
 
@@ -120,8 +121,8 @@ void SequenceSampler::points(const StreamKey& key, uint32_t first, uint32_t coun
       FixedPoint2 run[kChunk];
       base_points(key.index * settings_.samples_per_stream + first + done, n, run);
       for (uint32_t i = 0; i < n; ++i) {
-        chunk_u[i] = run[i].u;
-        chunk_v[i] = run[i].v;
+        chunk_u[i] = digits(run[i].u);
+        chunk_v[i] = digits(run[i].v);
       }
     } else if (scrambled_halton_) {
       for (uint32_t i = 0; i < n; ++i) {
@@ -150,8 +151,8 @@ void SequenceSampler::first_points(std::span<const StreamKey> keys, uint32_t cou
       seeds_u[i] = uint32_t(bits), seeds_v[i] = uint32_t(bits >> 32);
     }
     for (uint32_t k = 0; k < count; ++k) {
-      scramble_each(reverse_bits(u_[k]), seeds_u, n, u + k * streams + begin);
-      scramble_each(reverse_bits(v_[k]), seeds_v, n, v + k * streams + begin);
+      scramble_each(u_[k], seeds_u, n, u + k * streams + begin);
+      scramble_each(v_[k], seeds_v, n, v + k * streams + begin);
     }
   }
 }

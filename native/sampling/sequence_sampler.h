@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "sampling/hash.h"
 #include "sampling/sampler.h"
 #include "sampling/sequences.h"
 
@@ -20,6 +21,8 @@ class SequenceSampler final : public Sampler {
   /// Point of the sequence, counted from the index where rendering starts.
   FixedPoint2 base_point(uint64_t index) const;
   void base_points(uint64_t index, uint32_t count, FixedPoint2* out) const;
+  /// As the table holds them: in reverse order where they are scrambled.
+  uint32_t digits(uint32_t number) const { return owen_ ? reverse_bits(number) : number; }
   void fill_table();
   void sort_table();
 

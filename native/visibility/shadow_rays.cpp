@@ -20,31 +20,38 @@ constexpr float kReach = 1.0f - 0x1p-18f;
 /// Embree refuses directions beyond 1.8e18: those beyond kFar are shrunk, and reach as much further.
 constexpr float kFar = 1e18f, kShrink = 0x1p-40f;
 
+/// Of so many packets. Sets the number of rays of each.
 PENUMBRA_VECTORIZED
-uint32_t fill(const ShadowOrigin& origin, RayMask mask, const float* x, const float* y, const float* z,
-              const float* contribution, RTCRay16& packet, int* valid) {
+void fill(const ShadowOrigin& origin, RayMask mask, uint32_t packets, const float* x, const float* y,
+          const float* z, const float* contribution, RTCRay16* rays, int* valid, int* count) {
   const ShadowOrigin o = origin;
-  int count = 0;
-  for (uint32_t i = 0; i < kPacket; ++i) {
-    const bool front =
-        x[i] * o.geometric_normal.x + y[i] * o.geometric_normal.y + z[i] * o.geometric_normal.z >= 0;
-    packet.org_x[i] = front ? o.front.origin.x : o.back.origin.x;
-    packet.org_y[i] = front ? o.front.origin.y : o.back.origin.y;
-    packet.org_z[i] = front ? o.front.origin.z : o.back.origin.z;
-    packet.dir_x[i] = x[i] + (front ? o.front.to_surface_point.x : o.back.to_surface_point.x);
-    packet.dir_y[i] = y[i] + (front ? o.front.to_surface_point.y : o.back.to_surface_point.y);
-    packet.dir_z[i] = z[i] + (front ? o.front.to_surface_point.z : o.back.to_surface_point.z);
-    const float size = std::max(std::abs(x[i]), std::max(std::abs(y[i]), std::abs(z[i])));
-    const float shrink = size > kFar ? kShrink : 1.0f;
-    packet.dir_x[i] *= shrink, packet.dir_y[i] *= shrink, packet.dir_z[i] *= shrink;
-    packet.tnear[i] = 0.0f;
-    packet.tfar[i] = kReach / shrink;
-    packet.time[i] = o.time;
-    packet.mask[i] = mask;
-    valid[i] = contribution[i] > 0 ? -1 : 0;
-    count -= valid[i];
+  for (uint32_t p = 0; p < packets; ++p, x += kPacket, y += kPacket, z += kPacket) {
+    RTCRay16& packet = rays[p];
+    for (uint32_t i = 0; i < kPacket; ++i) {
+      const bool front =
+          x[i] * o.geometric_normal.x + y[i] * o.geometric_normal.y + z[i] * o.geometric_normal.z >= 0;
+      packet.org_x[i] = front ? o.front.origin.x : o.back.origin.x;
+      packet.org_y[i] = front ? o.front.origin.y : o.back.origin.y;
+      packet.org_z[i] = front ? o.front.origin.z : o.back.origin.z;
+      packet.dir_x[i] = x[i] + (front ? o.front.to_surface_point.x : o.back.to_surface_point.x);
+      packet.dir_y[i] = y[i] + (front ? o.front.to_surface_point.y : o.back.to_surface_point.y);
+      packet.dir_z[i] = z[i] + (front ? o.front.to_surface_point.z : o.back.to_surface_point.z);
+      const float size = std::max(std::abs(x[i]), std::max(std::abs(y[i]), std::abs(z[i])));
+      const float shrink = size > kFar ? kShrink : 1.0f;
+      packet.dir_x[i] *= shrink, packet.dir_y[i] *= shrink, packet.dir_z[i] *= shrink;
+      packet.tnear[i] = 0.0f;
+      packet.tfar[i] = kReach / shrink;
+      packet.time[i] = o.time;
+      packet.mask[i] = mask;
+    }
+    int rays_of_packet = 0;
+    for (uint32_t i = 0; i < kPacket; ++i) {
+      const int wanted = contribution[p * kPacket + i] > 0 ? -1 : 0;
+      valid[p * kPacket + i] = wanted;
+      rays_of_packet -= wanted;
+    }
+    count[p] = rays_of_packet;
   }
-  return uint32_t(count);
 }
 
 /// Where rays to one side of each surface point start.
@@ -90,8 +97,9 @@ void find_rays(const ShadowOrigins& o, const float* x, const float* y, const flo
 
 /// Embree sets tfar of a ray that meets something to minus infinity.
 PENUMBRA_VECTORIZED
-void clear_hidden(const float* tfar, float* contribution) {
-  for (uint32_t i = 0; i < kPacket; ++i) contribution[i] = tfar[i] < 0 ? 0.0f : contribution[i];
+void clear_hidden(const RTCRay16* rays, uint32_t packets, float* contribution) {
+  for (uint32_t p = 0; p < packets; ++p, contribution += kPacket)
+    for (uint32_t i = 0; i < kPacket; ++i) contribution[i] = rays[p].tfar[i] < 0 ? 0.0f : contribution[i];
 }
 
 /// All light is left as yet.
@@ -139,22 +147,30 @@ ShadowRays::ShadowRays(const Geometry& geometry, const SurfacePoint& surface, Sh
       kind_(kind),
       usable_(is_finite(origin_.front.origin) && is_finite(origin_.back.origin)) {}
 
-uint32_t ShadowRays::hide(const float* x, const float* y, const float* z, float* contribution,
+uint32_t ShadowRays::hide(uint32_t count, const float* x, const float* y, const float* z, float* contribution,
                           int* traced) const {
-  alignas(64) RTCRay16 packet;
-  const uint32_t count = fill(origin_, kind_.mask, x, y, z, contribution, packet, traced);
-  if (count == 0 || !usable_) return 0;
+  constexpr uint32_t kMostPackets = kBatch / kPacket;
+  alignas(64) RTCRay16 rays[kMostPackets];
+  int rays_of_packet[kMostPackets];
+  const uint32_t packets = count / kPacket;
+  fill(origin_, kind_.mask, packets, x, y, z, contribution, rays, traced, rays_of_packet);
+  if (!usable_) return 0;
   alignas(64) float transmittance[kPacket];
   uint8_t channels[kPacket];
-  if (geometry_.has_transparency()) {
-    prepare(packet, transmittance);
-    std::fill_n(channels, kPacket, kind_.channel);
+  if (geometry_.has_transparency()) std::fill_n(channels, kPacket, kind_.channel);
+  uint32_t sum = 0;
+  for (uint32_t p = 0; p < packets; ++p) {
+    if (rays_of_packet[p] == 0) continue;
+    sum += uint32_t(rays_of_packet[p]);
+    if (geometry_.has_transparency()) prepare(rays[p], transmittance);
+    embree::occluded16(traced + p * kPacket, geometry_.embree_scene(), rays[p], &geometry_, transmittance,
+                       channels);
+    if (geometry_.has_transparency())
+      for (uint32_t i = 0; i < kPacket; ++i) contribution[p * kPacket + i] *= transmittance[i];
   }
-  embree::occluded16(traced, geometry_.embree_scene(), packet, &geometry_, transmittance, channels);
-  clear_hidden(packet.tfar, contribution);
-  if (geometry_.has_transparency())
-    for (uint32_t i = 0; i < kPacket; ++i) contribution[i] *= transmittance[i];
-  return count;
+  // After all packets: what Embree has just stored in parts can't be loaded as a whole for a while.
+  clear_hidden(rays, packets, contribution);
+  return sum;
 }
 
 void ShadowQueue::add(const ShadowRayColumns& rays, uint32_t i, ShadowKind kind, uint8_t& visible) {

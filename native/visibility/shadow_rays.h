@@ -26,11 +26,12 @@ class ShadowRays {
  public:
   ShadowRays(const Geometry& geometry, const SurfacePoint& surface, ShadowKind kind = {});
 
-  /// Traces rays to those of kPacket points whose contribution is positive, and sets the contribution of each
-  /// that something hides to zero; transparent surfaces leave a part of it. x, y, z: from the shading point
-  /// to each, finite where the contribution is positive. traced[i]: -1 where a ray was traced, else 0.
-  /// Returns the number of rays.
-  uint32_t hide(const float* x, const float* y, const float* z, float* contribution, int* traced) const;
+  /// Traces rays to those of `count` points whose contribution is positive, and sets the contribution of each
+  /// that something hides to zero; transparent surfaces leave a part of it. count: whole packets, kBatch at
+  /// most. x, y, z: from the shading point to each, finite where the contribution is positive. traced[i]: -1
+  /// where a ray was traced, else 0. Returns the number of rays.
+  uint32_t hide(uint32_t count, const float* x, const float* y, const float* z, float* contribution,
+                int* traced) const;
 
  private:
   const Geometry& geometry_;

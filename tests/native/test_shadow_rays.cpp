@@ -46,7 +46,7 @@ TEST(ShadowRays, FromManySurfacesFindWhatThoseFromOneDo) {
           const uint32_t at = k * count + i;
           own[0][k] = x[at], own[1][k] = y[at], own[2][k] = z[at], own[3][k] = contribution[at];
         }
-        expected += ShadowRays(geometry, surfaces[i]).hide(own[0], own[1], own[2], own[3], rays);
+        expected += ShadowRays(geometry, surfaces[i]).hide(kPacket, own[0], own[1], own[2], own[3], rays);
         for (uint32_t k = 0; k < points; ++k) {
           EXPECT_EQ(each[k * count + i], own[3][k]) << "ray " << k << " of surface " << i;
           hidden += contribution[k * count + i] > 0 && own[3][k] == 0;
@@ -58,6 +58,34 @@ TEST(ShadowRays, FromManySurfacesFindWhatThoseFromOneDo) {
         EXPECT_LT(hidden, traced);
       }
     }
+}
+
+/// Many points of one surface: what each finds does not depend on how many packets are asked for at once.
+TEST(ShadowRays, ManyPacketsFindWhatEachFinds) {
+  const Geometry geometry = floor_and_roof();
+  SurfacePoint surface;
+  ASSERT_TRUE(test::first_surface(geometry, {-0.6, 0.1, 0.5}, {0, 0, -1}, surface));
+  const float scale = float(geometry.normalization().scale);
+  alignas(64) float x[kBatch], y[kBatch], z[kBatch], together[kBatch], apart[kBatch];
+  alignas(64) int rays_together[kBatch], rays_apart[kBatch];
+  for (uint32_t i = 0; i < kBatch; ++i) {
+    x[i] = scale * 0.4f * float(i % 16), y[i] = scale * 0.2f * float(i / 16), z[i] = scale * 2;
+    // The second packet has no ray at all.
+    together[i] = apart[i] = i % 5 == 3 || i / kPacket == 1 ? 0.0f : 1.0f + float(i);
+  }
+  const ShadowRays rays(geometry, surface);
+  const uint32_t traced = rays.hide(kBatch, x, y, z, together, rays_together);
+  uint32_t expected = 0, hidden = 0;
+  for (uint32_t k = 0; k < kBatch; k += kPacket)
+    expected += rays.hide(kPacket, x + k, y + k, z + k, apart + k, rays_apart + k);
+  for (uint32_t i = 0; i < kBatch; ++i) {
+    EXPECT_EQ(together[i], apart[i]) << "point " << i;
+    EXPECT_EQ(rays_together[i], rays_apart[i]) << "point " << i;
+    hidden += rays_together[i] && together[i] == 0;
+  }
+  EXPECT_EQ(traced, expected);
+  EXPECT_GT(hidden, 0u);
+  EXPECT_LT(hidden, traced);
 }
 
 }  // namespace
