@@ -2,6 +2,7 @@
 #include "visibility/useless_triangles.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <unordered_map>
 
@@ -10,70 +11,97 @@
 namespace penumbra {
 namespace {
 
-using Corners = std::array<Vec3d, 3>;
-
-Corners corners_of(const Mesh& mesh, size_t triangle) {
-  const auto& t = mesh.triangles[triangle];
-  return {mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]};
-}
-
-/// Independent of the corners' order. Adding zero turns -0 into 0.
-uint64_t hash_of_corners(const Corners& corners) {
+/// Adding zero turns -0 into 0.
+uint64_t hash_of_place(const Vec3d& p) {
   const auto bits = [](double v) { return std::bit_cast<uint64_t>(v + 0.0); };
-  uint64_t sum = 0;
-  for (const Vec3d& c : corners)
-    sum += mix_bits(bits(c.x) * 3 + bits(c.y) * 0x9E3779B97F4A7C15u + std::rotl(bits(c.z), 32));
-  return mix_bits(sum);
+  return mix_bits(bits(p.x) * 3 + bits(p.y) * 0x9E3779B97F4A7C15u + std::rotl(bits(p.z), 32));
 }
 
-bool same_corners(const Corners& a, const Corners& b) {
-  return std::is_permutation(a.begin(), a.end(), b.begin());
+/// Independent of the corners' order.
+uint64_t hash_of_corners(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+  return mix_bits(hash_of_place(a) + hash_of_place(b) + hash_of_place(c));
 }
 
-/// A table of bits, 16 a triangle: nearly all triangles of a sound mesh have one to themselves.
+bool same_corners(const Mesh& mesh, size_t i, size_t k) {
+  const auto &a = mesh.triangles[i], &b = mesh.triangles[k];
+  return std::is_permutation(a.begin(), a.end(), b.begin(),
+                             [&](uint32_t p, uint32_t q) { return mesh.positions[p] == mesh.positions[q]; });
+}
+
+/// One bit of each of some hashes, in a table of `bits_each` to twice as many bits each (a power of two).
 class BitTable {
  public:
-  explicit BitTable(size_t triangles)
-      : words_(std::max<size_t>(1, std::bit_ceil(triangles) / 4)), mask_(words_.size() * 64 - 1) {}
+  BitTable(size_t hashes, size_t bits_each)
+      : words_(std::max<size_t>(1, std::bit_ceil(hashes) * bits_each / 64)), mask_(words_.size() * 64 - 1) {}
   bool test(uint64_t hash) const { return words_[(hash & mask_) / 64] >> (hash % 64) & 1; }
-  void set(uint64_t hash) { words_[(hash & mask_) / 64] |= uint64_t(1) << (hash % 64); }
+  /// Whether it was set before.
+  bool set(uint64_t hash) {
+    uint64_t& word = words_[(hash & mask_) / 64];
+    const uint64_t bit = uint64_t(1) << (hash % 64);
+    const bool before = word & bit;
+    word |= bit;
+    return before;
+  }
 
  private:
   std::vector<uint64_t> words_;
   uint64_t mask_;
 };
 
-/// Numbers of hashes (all, or some of them) whose bit in a table others have, too. turn: chooses their bits.
-std::vector<size_t> sharing_a_bit(const std::vector<uint64_t>& hashes, const std::vector<size_t>* some,
-                                  int turn) {
-  const size_t n = some ? some->size() : hashes.size();
-  const auto number = [&](size_t k) { return some ? (*some)[k] : k; };
-  BitTable seen(n), seen_twice(n);
-  bool any = false;
-  for (size_t k = 0; k < n; ++k) {
-    const uint64_t hash = std::rotl(hashes[number(k)], turn);
-    if (seen.test(hash)) seen_twice.set(hash), any = true;
-    seen.set(hash);
+/// Finds numbers whose hashes others may have, too: those that come to a bit that is set, and then all that
+/// share a bit of a second table, of the hashes' upper halves, with one of these. Nearly all triangles of a
+/// sound mesh have bits to themselves. Four bits a hash let 1 in 10 through, sixteen 1 in 20; but with
+/// millions of hashes sixteen are no longer in the cache.
+class Suspects {
+ public:
+  Suspects(size_t hashes, size_t bits_each) : seen_(hashes, bits_each) { tops_.reserve(hashes); }
+  /// Gathered, so that the processor waits for many bits at a time: apart from what hashing takes.
+  void add(uint64_t hash) {
+    waiting_[waiting_count_++] = hash;
+    if (waiting_count_ == waiting_.size()) look_up();
   }
-  std::vector<size_t> found;
-  for (size_t k = 0; any && k < n; ++k)
-    if (seen_twice.test(std::rotl(hashes[number(k)], turn))) found.push_back(number(k));
-  return found;
-}
+  /// In the order in which they were added.
+  std::vector<size_t> numbers() {
+    look_up();
+    BitTable shared(again_.size(), 16);
+    for (const uint32_t top : again_) shared.set(top);
+    std::vector<size_t> found;
+    for (size_t k = 0; !again_.empty() && k < tops_.size(); ++k)
+      if (shared.test(tops_[k])) found.push_back(k);
+    return found;
+  }
+  uint32_t upper_half(size_t number) const { return tops_[number]; }
 
-/// Which triangles are copies. Only those that share two bits with others are looked at closely.
-std::vector<size_t> find_copies(const Mesh& mesh, const std::vector<uint64_t>& hashes) {
-  const std::vector<size_t> one_bit = sharing_a_bit(hashes, nullptr, 0);
-  const std::vector<size_t> suspects = sharing_a_bit(hashes, &one_bit, 32);
+ private:
+  void look_up() {
+    for (size_t k = 0; k < waiting_count_; ++k) {
+      tops_.push_back(uint32_t(waiting_[k] >> 32));
+      if (seen_.set(waiting_[k])) again_.push_back(tops_.back());
+    }
+    waiting_count_ = 0;
+  }
+
+  BitTable seen_;
+  std::vector<uint32_t> tops_, again_;
+  std::array<uint64_t, 256> waiting_;
+  size_t waiting_count_ = 0;
+};
+
+/// Which of the suspects are copies of others.
+std::vector<size_t> find_copies(const Mesh& mesh, Suspects& all) {
+  const std::vector<size_t> suspects = all.numbers();
+  Suspects closer(suspects.size(), 16);
+  for (const size_t i : suspects) closer.add(mix_bits(all.upper_half(i)));
   std::vector<size_t> copies;
-  std::unordered_multimap<uint64_t, size_t> first_of;
-  for (const size_t i : suspects) {
-    const auto [begin, end] = first_of.equal_range(hashes[i]);
-    const Corners own = corners_of(mesh, i);
-    if (std::any_of(begin, end, [&](const auto& e) { return same_corners(corners_of(mesh, e.second), own); }))
+  std::unordered_multimap<uint32_t, size_t> first_of;
+  for (const size_t k : closer.numbers()) {
+    const size_t i = suspects[k];
+    const uint32_t hash = all.upper_half(i);
+    const auto [begin, end] = first_of.equal_range(hash);
+    if (std::any_of(begin, end, [&](const auto& e) { return same_corners(mesh, e.second, i); }))
       copies.push_back(i);
     else
-      first_of.emplace(hashes[i], i);
+      first_of.emplace(hash, i);
   }
   return copies;
 }
@@ -96,16 +124,17 @@ void keep_unmarked(std::vector<T>& values, size_t width, const std::vector<bool>
 UselessTriangles remove_useless_triangles(Mesh& mesh) {
   UselessTriangles found;
   const size_t n = mesh.triangles.size();
-  std::vector<uint64_t> hashes(n);
+  Suspects suspects(n, 4);
   std::vector<bool> useless(n, false);
   for (size_t i = 0; i < n; ++i) {
-    const Corners c = corners_of(mesh, i);
-    hashes[i] = hash_of_corners(c);
-    if (cross(c[1] - c[0], c[2] - c[0]) != Vec3d{}) continue;
+    const auto& [a, b, c] = mesh.triangles[i];
+    const Vec3d &p = mesh.positions[a], &q = mesh.positions[b], &r = mesh.positions[c];
+    suspects.add(hash_of_corners(p, q, r));
+    if (cross(q - p, r - p) != Vec3d{}) continue;
     useless[i] = true;
     ++found.without_area;
   }
-  for (size_t i : find_copies(mesh, hashes)) {
+  for (size_t i : find_copies(mesh, suspects)) {
     if (useless[i]) continue;
     useless[i] = true;
     ++found.copies;

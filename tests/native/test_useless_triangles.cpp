@@ -60,6 +60,29 @@ TEST(UselessTriangles, AreThoseThatAllPairsTell) {
   }
 }
 
+/// Some of 200,000 triangles once more: with vertices of their own, in another order, after all others.
+TEST(UselessTriangles, FewCopiesAreFoundAmongMany) {
+  std::mt19937 random(6);
+  Mesh m;
+  constexpr uint32_t kTriangles = 200'000, kCopies = 300;
+  std::uniform_real_distribution<double> place(-1, 1);
+  for (uint32_t i = 0; i < kTriangles + 2; ++i)
+    m.positions.push_back({place(random), place(random), place(random)});
+  for (uint32_t i = 0; i < kTriangles; ++i) m.triangles.push_back({i, i + 1, i + 2});
+  const auto before = m.triangles;
+  for (uint32_t k = 0; k < kCopies; ++k) {
+    const auto& t = before[k * (kTriangles / kCopies)];
+    const auto first = uint32_t(m.positions.size());
+    for (int c = 0; c < 3; ++c) m.positions.push_back(Vec3d(m.positions[t[c]]));
+    m.triangles.push_back(k % 2 ? std::array{first + 1, first, first + 2}
+                                : std::array{first + 2, first, first + 1});
+  }
+  const UselessTriangles found = remove_useless_triangles(m);
+  EXPECT_EQ(found.copies, kCopies);
+  EXPECT_EQ(found.without_area, 0u);
+  EXPECT_EQ(m.triangles, before);
+}
+
 TEST(UselessTriangles, SoundMeshesAreLeftAlone) {
   Mesh strip;
   for (int i = 0; i < 5002; ++i) strip.positions.push_back({double(i / 2), double(i % 2), 1e-9 * i});
