@@ -9,6 +9,8 @@
 #   scale           triangles, pixels, threads, memory, building
 #   many            1 to 10,000 luminaires
 #   peers           equal error against Cycles and Mitsuba 3 (an hour; Mitsuba comes from PyPI, into the cache)
+#   peers_sid       the same against Cycles of the Blender in Debian unstable, in the chroot that
+#                   tests/environments/run.sh sid has made
 #   bash tests/benchmarks/run.sh [NAME ...]      all but peers if left out: about an hour
 set -euo pipefail
 
@@ -45,11 +47,24 @@ peers() {
   "${script[@]}" tests/benchmarks/peers.py -- "$output" 100 "$mitsuba/bin/python" | grep -vE "^(Fra:|Saved:| Time:|$)"
 }
 
+peers_sid() {
+  source tests/environments/chroot.sh
+  local root=$cache/sid home=$inside/benchmarks
+  [[ -e $root/.penumbra ]] || { echo "run.sh: no $root; tests/environments/run.sh sid makes it" >&2 && return 1; }
+  copy_sources . "$root$home"
+  enter "$root" env --chdir="$home" CMAKE_CXX_COMPILER_LAUNCHER=ccache CCACHE_BASEDIR="$home" CCACHE_NOHASHDIR=1 \
+    bash -c 'cmake --preset release >/dev/null && cmake --build --preset release >/dev/null'
+  enter "$root" env --chdir="$home" "${script[@]}" tests/benchmarks/peers.py -- output 100 - |
+    grep -vE "^(Fra:|Saved:| Time:|$)"
+  mkdir -p "$output/sid"
+  cp "$root$home"/output/peers.{csv,md,png} "$output/sid/"
+}
+
 names=("$@")
 [[ $# -gt 0 ]] || names=(ray_rate against_cycles export animation antialiased scale many)
 for name in "${names[@]}"; do
   case "$name" in
-    ray_rate | against_cycles | export | animation | antialiased | scale | many | peers) ;;
+    ray_rate | against_cycles | export | animation | antialiased | scale | many | peers | peers_sid) ;;
     *)
       echo "run.sh: unknown benchmark '$name' (see its head)" >&2
       exit 2
