@@ -60,17 +60,17 @@ class Suspects {
     waiting_[waiting_count_++] = hash;
     if (waiting_count_ == waiting_.size()) look_up();
   }
-  /// In the order in which they were added.
-  std::vector<size_t> numbers() {
+  /// In the order in which they were added; of 32 bits, as Embree numbers triangles.
+  std::vector<uint32_t> numbers() {
     look_up();
     BitTable shared(again_.size(), 16);
     for (const uint32_t top : again_) shared.set(top);
-    std::vector<size_t> found;
+    std::vector<uint32_t> found;
     for (size_t k = 0; !again_.empty() && k < tops_.size(); ++k)
-      if (shared.test(tops_[k])) found.push_back(k);
+      if (shared.test(tops_[k])) found.push_back(uint32_t(k));
     return found;
   }
-  uint32_t upper_half(size_t number) const { return tops_[number]; }
+  uint32_t upper_half(uint32_t number) const { return tops_[number]; }
 
  private:
   void look_up() {
@@ -88,14 +88,14 @@ class Suspects {
 };
 
 /// Which of the suspects are copies of others.
-std::vector<size_t> find_copies(const Mesh& mesh, Suspects& all) {
-  const std::vector<size_t> suspects = all.numbers();
+std::vector<uint32_t> find_copies(const Mesh& mesh, Suspects& all) {
+  const std::vector<uint32_t> suspects = all.numbers();
   Suspects closer(suspects.size(), 16);
-  for (const size_t i : suspects) closer.add(mix_bits(all.upper_half(i)));
-  std::vector<size_t> copies;
-  std::unordered_multimap<uint32_t, size_t> first_of;
-  for (const size_t k : closer.numbers()) {
-    const size_t i = suspects[k];
+  for (const uint32_t i : suspects) closer.add(mix_bits(all.upper_half(i)));
+  std::vector<uint32_t> copies;
+  std::unordered_multimap<uint32_t, uint32_t> first_of;
+  for (const uint32_t k : closer.numbers()) {
+    const uint32_t i = suspects[k];
     const uint32_t hash = all.upper_half(i);
     const auto [begin, end] = first_of.equal_range(hash);
     if (std::any_of(begin, end, [&](const auto& e) { return same_corners(mesh, e.second, i); }))
@@ -134,7 +134,7 @@ UselessTriangles remove_useless_triangles(Mesh& mesh) {
     useless[i] = true;
     ++found.without_area;
   }
-  for (size_t i : find_copies(mesh, suspects)) {
+  for (const uint32_t i : find_copies(mesh, suspects)) {
     if (useless[i]) continue;
     useless[i] = true;
     ++found.copies;
