@@ -132,15 +132,16 @@ void ItemSampler::advance(BoundedItem& item, uint32_t target, LightTally& tally)
   const Luminaire& luminaire = luminaires_[item.luminaire];
   const ShadingPoint point(lit.surface, *lit.material, lit.ray_direction);
   const ShadowRays rays(geometry_, lit.surface, luminaire.shadow_kind());
-  alignas(64) float u[kPacket], v[kPacket], unshadowed[kPacket], phong[kPacket], visible_phong[kPacket];
-  alignas(64) int traced[kPacket] = {};
+  alignas(64) float u[kBatch], v[kBatch], unshadowed[kBatch], phong[kBatch], visible_phong[kBatch];
+  alignas(64) int traced[kBatch];
   LightPoints points;
-  for (; item.count < target; item.count += kPacket) {
+  for (uint32_t n; item.count < target; item.count += n) {
+    n = std::min(kBatch, target - item.count);
     tally.stop_if_cancelled();
-    sampler_.points(key(item), item.count, kPacket, u, v);
-    luminaire.evaluate(lit.surface, u, v, kPacket, points);
+    sampler_.points(key(item), item.count, n, u, v);
+    luminaire.evaluate(lit.surface, u, v, n, points);
     float* f = points.form_factor;
-    std::copy(f, f + kPacket, unshadowed);
+    std::copy(f, f + n, unshadowed);
     // The first look's rays are known already, but those that transparent surfaces dimmed.
     float known[kFirstLook] = {};
     const uint32_t dimmed = item.first_lit & item.first_dark;
@@ -151,17 +152,16 @@ void ItemSampler::advance(BoundedItem& item, uint32_t target, LightTally& tally)
         if (!(dimmed >> i & 1)) f[i] = 0;
       }
     }
-    if (luminaire.casts_shadow())
-      tally.shadow_rays += rays.hide(kPacket, points.x, points.y, points.z, f, traced);
+    if (luminaire.casts_shadow()) tally.shadow_rays += rays.hide(n, points.x, points.y, points.z, f, traced);
     for (uint32_t i = 0; looked && i < kFirstLook; ++i)
       if (!(dimmed >> i & 1)) f[i] = known[i];
     if (point.has_glossy) {
-      evaluate_glossy(point, points.x, points.y, points.z, unshadowed, kPacket, phong);
-      evaluate_glossy(point, points.x, points.y, points.z, f, kPacket, visible_phong);
+      evaluate_glossy(point, points.x, points.y, points.z, unshadowed, n, phong);
+      evaluate_glossy(point, points.x, points.y, points.z, f, n, visible_phong);
     }
-    weigh_diffuse(point, points.x, points.y, points.z, kPacket, unshadowed);
-    weigh_diffuse(point, points.x, points.y, points.z, kPacket, f);
-    for (uint32_t i = 0; i < kPacket; ++i) {
+    weigh_diffuse(point, points.x, points.y, points.z, n, unshadowed);
+    weigh_diffuse(point, points.x, points.y, points.z, n, f);
+    for (uint32_t i = 0; i < n; ++i) {
       if (item.count == 0 && i == kPacket / 2) item.at_power = item.sums;  // halves of the first packet
       item.sums.f += double(unshadowed[i]);
       item.sums.fv += double(f[i]);

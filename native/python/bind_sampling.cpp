@@ -16,7 +16,7 @@ py::array_t<double> sample_points(const std::string& sampler, uint32_t count, co
   if (count > (1u << 24)) throw py::value_error("count must be at most 2^24");
   const uint32_t per_pixel = samples_per_pixel.value_or(std::max(count, 1u));
   const auto source = make_sampler({sampler_from_name(sampler), reuse_from_name(sample_reuse), uint32_t(seed),
-                                    std::max(per_pixel, count), false});
+                                    std::max(per_pixel, count)});
   py::array_t<double> result({py::ssize_t(count), py::ssize_t(2)});
   auto out = result.mutable_unchecked<2>();
   alignas(64) float u[kPacket], v[kPacket];

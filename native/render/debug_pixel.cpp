@@ -67,7 +67,7 @@ std::string debug_pixel(const RenderContext& c, const Rectangle& block, uint32_t
   c.geometry.find_surfaces(&ray, 1, found);
   // BOUNDED's own points; FIXED's come in another order, neighbours first.
   const auto sampler =
-      make_sampler({SamplerKind::kOwenSobol, SampleReuse::kScrambled, c.settings.seed, kPacket, false});
+      make_sampler({SamplerKind::kOwenSobol, SampleReuse::kScrambled, c.settings.seed, kPacket});
   std::vector<LitPoint> points;
   uint64_t mirror_rays = 0;
   const uint64_t frame_pixel = uint64_t(y) * c.settings.width + x;

@@ -34,7 +34,11 @@ double now() {
 
 /// Places inside pixels: their own Owen-scrambled sequence for each pixel.
 SamplerSettings pixel_sampler_settings(const RenderSettings& settings) {
-  return {SamplerKind::kOwenSobol, SampleReuse::kScrambled, settings.seed, settings.pixel_samples, true};
+  return {SamplerKind::kOwenSobol,
+          SampleReuse::kScrambled,
+          settings.seed,
+          settings.pixel_samples,
+          {0, settings.pixel_samples}};
 }
 
 /// Most of them a pixel; the other rules need them where more than the filter spreads rays.

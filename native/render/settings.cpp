@@ -6,6 +6,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "lighting/bounded_item.h"
 #include "render/film.h"
 
 namespace penumbra {
@@ -32,6 +33,15 @@ void require_samples(const char* name, uint32_t value) {
   require(value >= 1 && value <= kMostSamples, std::string(name) + " must lie in 1 ... " +
                                                    std::to_string(kMostSamples) + ", not " +
                                                    std::to_string(value));
+}
+
+/// Numbers of points between which the rule does not look; none where it may look at any.
+std::vector<uint32_t> levels_of(const StopSettings& stop) {
+  if (stop.kind == StopRuleKind::kFixed) return {0, stop.light_samples};
+  std::vector<uint32_t> levels;
+  if (stop.kind == StopRuleKind::kBounded)
+    for (uint32_t n = next_level(0); n <= stop.max_light_samples; n = next_level(n)) levels.push_back(n);
+  return levels;
 }
 
 }  // namespace
@@ -100,7 +110,8 @@ StopSettings RenderSettings::stop_settings() const {
 }
 
 SamplerSettings RenderSettings::sampler_settings() const {
-  return {sampler, sample_reuse, seed, stop_settings().limit(), stop_rule == StopRuleKind::kFixed};
+  const StopSettings stop = stop_settings();
+  return {sampler, sample_reuse, seed, stop.limit(), levels_of(stop)};
 }
 
 }  // namespace penumbra

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <vector>
 
 namespace penumbra {
 
@@ -21,11 +22,12 @@ struct SamplerSettings {
   SamplerKind kind = SamplerKind::kOwenSobol;
   SampleReuse reuse = SampleReuse::kScrambled;
   uint32_t seed = 0;
-  /// Most points that one stream is asked for; its exact number where `fixed_count`.
+  /// Most points that one stream is asked for.
   uint32_t samples_per_stream = 64;
-  /// The whole stream is always used, so its points may come in another order: sorted along a Morton curve,
-  /// which keeps a packet's rays together. Sets of points are the same either way.
-  bool fixed_count = false;
+  /// Numbers of points, ascending: those between two of them are always used together, so they may come in
+  /// another order, sorted along a Morton curve, which keeps a packet's rays together. Sets of points are the
+  /// same either way.
+  std::vector<uint32_t> levels{};
 };
 
 /// One use of the sampler: a luminaire seen from one shading point.

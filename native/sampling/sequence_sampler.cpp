@@ -37,11 +37,25 @@ void scramble_each(uint32_t reversed, const uint32_t* seeds, uint32_t count, flo
     out[i] = float(int32_t(reverse_bits(owen_scramble_reversed(reversed, seeds[i])) >> 8)) * 0x1p-24f;
 }
 
-/// Interleaves the eight highest digits of both coordinates.
-uint32_t morton_code(uint32_t u, uint32_t v) {
-  uint32_t code = 0;
-  for (int bit = 31; bit > 23; --bit) code = (code << 2) | ((u >> bit & 1) << 1) | (v >> bit & 1);
-  return code;
+/// Cells of a Morton curve, enough to tell the packets of 2^14 points apart.
+constexpr int kCurveDigits = 5;
+constexpr uint32_t kCells = 1u << 2 * kCurveDigits;
+
+/// Interleaves the highest digits of both coordinates.
+uint32_t cell_of(FixedPoint2 point) {
+  uint32_t cell = 0;
+  for (int bit = 31; bit > 31 - kCurveDigits; --bit)
+    cell = cell << 2 | (point.u >> bit & 1) << 1 | (point.v >> bit & 1);
+  return cell;
+}
+
+/// Numbers of points, ascending at first, in the order of the curve.
+void sort_along_curve(const std::vector<FixedPoint2>& points, std::span<uint32_t> numbers) {
+  std::vector<uint32_t> next(kCells + 1), sorted(numbers.size());  // next place in each cell
+  for (uint32_t i : numbers) ++next[cell_of(points[i]) + 1];
+  std::partial_sum(next.begin(), next.end(), next.begin());
+  for (uint32_t i : numbers) sorted[next[cell_of(points[i])]++] = i;
+  std::copy(sorted.begin(), sorted.end(), numbers.begin());
 }
 
 }  // namespace
@@ -72,27 +86,18 @@ void SequenceSampler::base_points(uint64_t index, uint32_t count, FixedPoint2* o
 
 void SequenceSampler::fill_table() {
   const uint32_t count = (settings_.samples_per_stream + kPacket - 1) / kPacket * kPacket;
-  u_.resize(count);
-  v_.resize(count);
+  std::vector<FixedPoint2> points(count);
+  base_points(0, count, points.data());
   index_.resize(count);
   std::iota(index_.begin(), index_.end(), 0u);
-  if (settings_.fixed_count) sort_table();
-  for (uint32_t i = 0; i < count; ++i) {
-    const FixedPoint2 p = base_point(index_[i]);
-    u_[i] = digits(p.u);
-    v_[i] = digits(p.v);
+  // Scrambling and digit order keep neighbours together.
+  for (size_t i = 1; i < settings_.levels.size(); ++i)
+    sort_along_curve(points, std::span(index_).subspan(settings_.levels[i - 1],
+                                                       settings_.levels[i] - settings_.levels[i - 1]));
+  for (uint32_t i : index_) {
+    u_.push_back(digits(points[i].u));
+    v_.push_back(digits(points[i].v));
   }
-}
-
-void SequenceSampler::sort_table() {
-  // Only the points that are used change places; scrambling and digit order keep neighbours together.
-  std::vector<uint32_t> codes(settings_.samples_per_stream);
-  for (uint32_t i = 0; i < codes.size(); ++i) {
-    const FixedPoint2 p = base_point(i);
-    codes[i] = morton_code(p.u, p.v);
-  }
-  std::stable_sort(index_.begin(), index_.begin() + settings_.samples_per_stream,
-                   [&](uint32_t a, uint32_t b) { return codes[a] < codes[b]; });
 }
 
 void SequenceSampler::points(const StreamKey& key, uint32_t first, uint32_t count, float* u, float* v) const {

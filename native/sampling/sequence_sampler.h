@@ -24,7 +24,6 @@ class SequenceSampler final : public Sampler {
   /// As the table holds them: in reverse order where they are scrambled.
   uint32_t digits(uint32_t number) const { return owen_ ? reverse_bits(number) : number; }
   void fill_table();
-  void sort_table();
 
   SamplerSettings settings_;
   const DigitalMatrices* matrices_ = nullptr;  // null: Halton

@@ -42,7 +42,7 @@ bool same(const Points& a, const Points& b) {
 TEST(Samplers, PointsAre24BitFractionsBelowOne) {
   for_each_combination([](SamplerKind kind, SampleReuse reuse) {
     for (uint32_t seed : {0u, 1u, 0xFFFFFFFFu}) {
-      const auto sampler = make_sampler({kind, reuse, seed, 4096, false});
+      const auto sampler = make_sampler({kind, reuse, seed, 4096});
       for (uint32_t stream : kStreams) {
         const Points p = points_of(*sampler, stream, 4096);
         for (const auto* axis : {&p.u, &p.v})
@@ -58,8 +58,8 @@ TEST(Samplers, PointsAre24BitFractionsBelowOne) {
 
 TEST(Samplers, PacketsAndLongRunsAgree) {
   for_each_combination([](SamplerKind kind, SampleReuse reuse) {
-    for (bool fixed_count : {false, true}) {
-      const auto sampler = make_sampler({kind, reuse, 3, 400, fixed_count});
+    for (const std::vector<uint32_t>& levels : {std::vector<uint32_t>{}, {0, 400}, {16, 32, 48, 300}}) {
+      const auto sampler = make_sampler({kind, reuse, 3, 400, levels});
       const Points all = points_of(*sampler, 9, 400);
       for (uint32_t first = 0; first < 400; first += kPacket) {
         float u[kPacket], v[kPacket];
@@ -73,7 +73,7 @@ TEST(Samplers, PacketsAndLongRunsAgree) {
 
 TEST(Samplers, FirstPointsOfManyStreamsAreThoseOfEach) {
   for_each_combination([](SamplerKind kind, SampleReuse reuse) {
-    const auto sampler = make_sampler({kind, reuse, 3, 400, false});
+    const auto sampler = make_sampler({kind, reuse, 3, 400});
     constexpr uint32_t kCount = 4, kMany = 21;
     std::vector<StreamKey> keys;
     for (uint32_t i = 0; i < kMany; ++i) keys.push_back(test::key_of(7 * i));
@@ -91,7 +91,7 @@ TEST(Samplers, FirstPointsOfManyStreamsAreThoseOfEach) {
 
 TEST(Samplers, SameIsTheSameEverywhereAndTheOthersDiffer) {
   for_each_combination([](SamplerKind kind, SampleReuse reuse) {
-    const auto sampler = make_sampler({kind, reuse, 5, 64, false});
+    const auto sampler = make_sampler({kind, reuse, 5, 64});
     const bool expected = reuse == SampleReuse::kSame && !is_random(kind);
     const Points first = points_of(*sampler, 0, 64);
     for (uint32_t stream : {1u, 2u, 500u}) EXPECT_EQ(same(points_of(*sampler, stream, 64), first), expected);
@@ -102,8 +102,8 @@ TEST(Samplers, ContinuedGoesOnWhereThePixelBeforeEnded) {
   // Pixel k of a sampler with 64 points a pixel has points 64 k ... 64 k + 63 of one long stream.
   for (SamplerKind kind : all_kinds()) {
     if (kind == SamplerKind::kSprs) continue;  // its grid starts anew
-    const auto pixels = make_sampler({kind, SampleReuse::kContinued, 9, 64, false});
-    const auto one_stream = make_sampler({kind, SampleReuse::kContinued, 9, 4096, false});
+    const auto pixels = make_sampler({kind, SampleReuse::kContinued, 9, 64});
+    const auto one_stream = make_sampler({kind, SampleReuse::kContinued, 9, 4096});
     const Points all = points_of(*one_stream, 0, 4096);
     for (uint32_t k = 0; k < 64; ++k) {
       const Points p = points_of(*pixels, k, 64);
@@ -118,8 +118,8 @@ TEST(Samplers, ContinuedGoesOnWhereThePixelBeforeEnded) {
 TEST(Samplers, UnscrambledSequencesAreTheSequencesThemselves) {
   // Truncated to 24 bits; Sobol' of the book and Halton start at index 1 + seed.
   for (uint32_t seed : {0u, 10u}) {
-    const auto sobol = make_sampler({SamplerKind::kSobol, SampleReuse::kSame, seed, 500, false});
-    const auto halton = make_sampler({SamplerKind::kHalton, SampleReuse::kSame, seed, 500, false});
+    const auto sobol = make_sampler({SamplerKind::kSobol, SampleReuse::kSame, seed, 500});
+    const auto halton = make_sampler({SamplerKind::kHalton, SampleReuse::kSame, seed, 500});
     const Points s = points_of(*sobol, 3, 500), h = points_of(*halton, 3, 500);
     for (uint32_t i = 0; i < 500; ++i) {
       const FixedPoint2 a = digital_point(kNumericalRecipesSobol, 1 + seed + i),
@@ -136,8 +136,8 @@ TEST(Samplers, RotatedIsSameShiftedModuloOne) {
   // Both are truncated to 24 bits after the shift: the differences agree within one unit of 2^-24.
   for (SamplerKind kind : {SamplerKind::kSobol, SamplerKind::kHalton, SamplerKind::kOwenSobol}) {
     SCOPED_TRACE(name_of(kind, SampleReuse::kRotated));
-    const auto plain = make_sampler({kind, SampleReuse::kSame, 4, 256, false});
-    const auto rotated = make_sampler({kind, SampleReuse::kRotated, 4, 256, false});
+    const auto plain = make_sampler({kind, SampleReuse::kSame, 4, 256});
+    const auto rotated = make_sampler({kind, SampleReuse::kRotated, 4, 256});
     for (uint32_t stream : kStreams) {
       const Points a = points_of(*plain, stream, 256), b = points_of(*rotated, stream, 256);
       const auto shift = [](float from, float to) { return uint32_t(fixed32(to) - fixed32(from)) >> 8; };
@@ -156,7 +156,7 @@ TEST(Samplers, RotatedIsSameShiftedModuloOne) {
 TEST(Samplers, PrsIsTheCLibrarysSequence) {
   // Stream k starts at pair k N; every value is drand48() rounded down to 24 bits.
   constexpr uint32_t kCount = 48;
-  const auto sampler = make_sampler({SamplerKind::kPrs, SampleReuse::kSame, 1234, kCount, false});
+  const auto sampler = make_sampler({SamplerKind::kPrs, SampleReuse::kSame, 1234, kCount});
   srand48(1234);
   const auto next = [] { return float(std::floor(drand48() * 0x1p24) * 0x1p-24); };
   for (uint32_t stream = 0; stream < 40; ++stream) {
@@ -168,20 +168,42 @@ TEST(Samplers, PrsIsTheCLibrarysSequence) {
   }
 }
 
-TEST(Samplers, FixedCountChangesTheOrderOnly) {
-  for_each_combination([](SamplerKind kind, SampleReuse reuse) {
-    for (uint32_t count : {1u, 16u, 49u, 64u, 400u}) {
-      Points a = points_of(*make_sampler({kind, reuse, 8, count, false}), 21, count);
-      Points b = points_of(*make_sampler({kind, reuse, 8, count, true}), 21, count);
-      const auto sorted = [](const Points& p) {
-        std::vector<std::pair<float, float>> pairs;
-        for (size_t i = 0; i < p.size(); ++i) pairs.emplace_back(p.u[i], p.v[i]);
-        std::sort(pairs.begin(), pairs.end());
-        return pairs;
-      };
-      EXPECT_EQ(sorted(a), sorted(b)) << count << " points";
+TEST(Samplers, LevelsChangeTheOrderBetweenThemOnly) {
+  const auto first_points = [](const Points& p, size_t count) {
+    std::vector<std::pair<float, float>> pairs;
+    for (size_t i = 0; i < count; ++i) pairs.emplace_back(p.u[i], p.v[i]);
+    return pairs;
+  };
+  for_each_combination([&](SamplerKind kind, SampleReuse reuse) {
+    std::vector<std::vector<uint32_t>> cases{{16, 32, 48, 64, 96, 128, 192, 256, 384}};
+    for (uint32_t count : {1u, 16u, 49u, 64u, 400u}) cases.push_back({0, count});
+    for (const std::vector<uint32_t>& levels : cases) {
+      const uint32_t count = kind == SamplerKind::kSprs ? 400 : levels.back();
+      const Points a = points_of(*make_sampler({kind, reuse, 8, count}), 21, count);
+      const Points b = points_of(*make_sampler({kind, reuse, 8, count, levels}), 21, count);
+      EXPECT_EQ(first_points(a, levels.front()), first_points(b, levels.front())) << "in order up to there";
+      for (uint32_t level : levels) {
+        auto expected = first_points(a, level), found = first_points(b, level);
+        std::sort(expected.begin(), expected.end());
+        std::sort(found.begin(), found.end());
+        EXPECT_EQ(expected, found) << level << " points";
+      }
     }
   });
+}
+
+/// What levels are for: 64 points of a (0,2)-sequence make four packets, each in a quarter of the square.
+TEST(Samplers, LevelsKeepPacketsTogether) {
+  const auto sampler =
+      make_sampler({SamplerKind::kOwenSobol, SampleReuse::kScrambled, 8, 256, {0, 64, 128, 192, 256}});
+  for (uint32_t stream = 0; stream < 10; ++stream) {
+    const Points p = points_of(*sampler, stream, 256);
+    for (uint32_t i = 0; i < 256; ++i) {
+      const uint32_t packet = i / kPacket * kPacket;
+      ASSERT_EQ(p.u[i] < 0.5f, p.u[packet] < 0.5f) << "point " << i;
+      ASSERT_EQ(p.v[i] < 0.5f, p.v[packet] < 0.5f) << "point " << i;
+    }
+  }
 }
 
 TEST(Samplers, SprsPutsOnePointIntoEachCell) {
@@ -189,7 +211,7 @@ TEST(Samplers, SprsPutsOnePointIntoEachCell) {
   // rounding must not carry any point out of its cell. Cells are half open, [c / side, (c + 1) / side).
   for (uint32_t side : {1u, 2u, 3u, 7u, 8u, 10u, 64u, 100u}) {
     const uint32_t count = side * side, streams = std::max(1u, (1u << 18) / count);
-    const auto sampler = make_sampler({SamplerKind::kSprs, SampleReuse::kScrambled, side, count, true});
+    const auto sampler = make_sampler({SamplerKind::kSprs, SampleReuse::kScrambled, side, count, {0, count}});
     for (uint32_t stream = 0; stream < streams; ++stream) {
       const Points p = points_of(*sampler, stream, count);
       for (uint32_t i = 0; i < count; ++i) {
@@ -202,9 +224,9 @@ TEST(Samplers, SprsPutsOnePointIntoEachCell) {
 }
 
 TEST(Samplers, RefuseWhatTheyCannotDo) {
-  EXPECT_THROW(make_sampler({SamplerKind::kSprs, SampleReuse::kSame, 0, 63, false}), std::invalid_argument);
+  EXPECT_THROW(make_sampler({SamplerKind::kSprs, SampleReuse::kSame, 0, 63}), std::invalid_argument);
   for (SamplerKind kind : all_kinds())
-    EXPECT_THROW(make_sampler({kind, SampleReuse::kSame, 0, 0, false}), std::invalid_argument);
+    EXPECT_THROW(make_sampler({kind, SampleReuse::kSame, 0, 0}), std::invalid_argument);
 }
 
 }  // namespace

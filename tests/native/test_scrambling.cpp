@@ -32,14 +32,14 @@ void expect_zero_two_net(const Points& p) {
 TEST(Scrambling, OwenSobolIsAZeroTwoSequenceInEveryPixel) {
   for (SampleReuse reuse : {SampleReuse::kSame, SampleReuse::kContinued, SampleReuse::kScrambled})
     for (uint32_t seed : {0u, 1u, 0xFFFFFFFFu}) {
-      const auto sampler = make_sampler({SamplerKind::kOwenSobol, reuse, seed, 4096, false});
+      const auto sampler = make_sampler({SamplerKind::kOwenSobol, reuse, seed, 4096});
       for (uint64_t stream : {0u, 1u, 12345u}) expect_zero_two_net(points_of(*sampler, stream, 4096));
     }
 }
 
 TEST(Scrambling, ScrambledSobolOfTheBookStaysAOneTwoSequence) {
   // The stream starts at index 1, so a block [j 2^k, (j + 1) 2^k) of indices starts at its point j 2^k - 1.
-  const auto sampler = make_sampler({SamplerKind::kSobol, SampleReuse::kScrambled, 0, 4096, false});
+  const auto sampler = make_sampler({SamplerKind::kSobol, SampleReuse::kScrambled, 0, 4096});
   for (uint64_t stream : {0u, 1u, 12345u}) {
     const Points p = points_of(*sampler, stream, 4096);
     const auto u = [&](size_t i) { return fixed32(p.u[i]); };
@@ -57,7 +57,7 @@ TEST(Scrambling, ScrambledHaltonBlocksStayEven) {
   // can take a point across a ternary edge, with a chance of 81 / 2^25 a point (half a unit is added back): 1
   // % over all points of this test, whose keys are fixed.
   constexpr uint32_t kBlock = 1296;
-  const auto sampler = make_sampler({SamplerKind::kHalton, SampleReuse::kScrambled, 0, 3 * kBlock, false});
+  const auto sampler = make_sampler({SamplerKind::kHalton, SampleReuse::kScrambled, 0, 3 * kBlock});
   for (uint64_t stream : {0u, 1u, 12345u}) {
     const Points p = points_of(*sampler, stream, 3 * kBlock);
     const auto u = [&](size_t i) { return fixed32(p.u[i]); };
@@ -74,7 +74,7 @@ TEST(Scrambling, PixelsDifferAndAreUniform) {
   for (SampleReuse reuse : {SampleReuse::kScrambled, SampleReuse::kRotated})
     for (SamplerKind kind : {SamplerKind::kSobol, SamplerKind::kHalton, SamplerKind::kOwenSobol}) {
       SCOPED_TRACE(test::name_of(kind, reuse));
-      const auto sampler = make_sampler({kind, reuse, 0, 64, false});
+      const auto sampler = make_sampler({kind, reuse, 0, 64});
       constexpr uint32_t kPixels = 65536;
       const uint32_t chosen[] = {0, 1, 15, 50};
       std::vector<uint32_t> counts[4];
@@ -101,7 +101,7 @@ TEST(Scrambling, TheLuminairesOfAPixelGetDifferentPoints) {
   // Consecutive streams are the luminaires of one pixel: their first points must not correlate. The
   // correlation of 20000 independent pairs has standard deviation 1/sqrt(20000) = 0.007; five of them: 6e-7.
   for (SamplerKind kind : {SamplerKind::kSobol, SamplerKind::kHalton, SamplerKind::kOwenSobol}) {
-    const auto sampler = make_sampler({kind, SampleReuse::kScrambled, 0, 16, false});
+    const auto sampler = make_sampler({kind, SampleReuse::kScrambled, 0, 16});
     double sum = 0;
     for (uint32_t pixel = 0; pixel < 20000; ++pixel) {
       const Points a = points_of(*sampler, 2 * pixel, 16), b = points_of(*sampler, 2 * pixel + 1, 16);
@@ -122,12 +122,10 @@ TEST(Scrambling, VectorisedLoopsEqualScalarArithmetic) {
       const auto owen = [](uint32_t x, uint32_t s) {
         return reverse_bits(owen_scramble_reversed(reverse_bits(x), s));
       };
-      const auto scrambled =
-          points_of(*make_sampler({SamplerKind::kOwenSobol, SampleReuse::kScrambled, seed, kCount, false}),
-                    stream, kCount);
-      const auto rotated =
-          points_of(*make_sampler({SamplerKind::kOwenSobol, SampleReuse::kRotated, seed, kCount, false}),
-                    stream, kCount);
+      const auto scrambled = points_of(
+          *make_sampler({SamplerKind::kOwenSobol, SampleReuse::kScrambled, seed, kCount}), stream, kCount);
+      const auto rotated = points_of(
+          *make_sampler({SamplerKind::kOwenSobol, SampleReuse::kRotated, seed, kCount}), stream, kCount);
       for (uint32_t i = 0; i < kCount; ++i) {
         const FixedPoint2 p = digital_point(kZeroTwoSobol, i);
         ASSERT_EQ(fixed32(scrambled.u[i]), owen(p.u, uint32_t(bits)) & ~0xFFu);
