@@ -3,10 +3,10 @@
 
 #include <algorithm>
 
+#include "lighting/light_batch.h"
 #include "lighting/lobe_colours.h"
 #include "lighting/pooled_error.h"
 #include "sampling/hash.h"
-#include "visibility/shadow_rays.h"
 
 namespace penumbra {
 namespace {
@@ -132,44 +132,24 @@ void ItemSampler::advance(BoundedItem& item, uint32_t target, LightTally& tally)
   const Luminaire& luminaire = luminaires_[item.luminaire];
   const ShadingPoint point(lit.surface, *lit.material, lit.ray_direction);
   const ShadowRays rays(geometry_, lit.surface, luminaire.shadow_kind());
-  alignas(64) float u[kBatch], v[kBatch], unshadowed[kBatch], phong[kBatch], visible_phong[kBatch];
-  alignas(64) int traced[kBatch];
-  LightPoints points;
+  alignas(64) float u[kBatch], v[kBatch];
+  LightBatch points;
   for (uint32_t n; item.count < target; item.count += n) {
     n = std::min(kBatch, target - item.count);
     tally.stop_if_cancelled();
     sampler_.points(key(item), item.count, n, u, v);
-    luminaire.evaluate(lit.surface, u, v, n, points);
-    float* f = points.form_factor;
-    std::copy(f, f + n, unshadowed);
-    // The first look's rays are known already, but those that transparent surfaces dimmed.
-    float known[kFirstLook] = {};
-    const uint32_t dimmed = item.first_lit & item.first_dark;
-    const bool looked = item.count == 0 && item.looked;
-    if (looked) {
-      for (uint32_t i = 0; i < kFirstLook; ++i) {
-        known[i] = item.first_lit >> i & 1 ? f[i] : 0.0f;
-        if (!(dimmed >> i & 1)) f[i] = 0;
-      }
-    }
-    if (luminaire.casts_shadow()) tally.shadow_rays += rays.hide(n, points.x, points.y, points.z, f, traced);
-    for (uint32_t i = 0; looked && i < kFirstLook; ++i)
-      if (!(dimmed >> i & 1)) f[i] = known[i];
-    if (point.has_glossy) {
-      evaluate_glossy(point, points.x, points.y, points.z, unshadowed, n, phong);
-      evaluate_glossy(point, points.x, points.y, points.z, f, n, visible_phong);
-    }
-    weigh_diffuse(point, points.x, points.y, points.z, n, unshadowed);
-    weigh_diffuse(point, points.x, points.y, points.z, n, f);
+    KnownPoints known;  // by the first look
+    if (item.count == 0 && item.looked) known = {item.first_lit, item.first_dark};
+    tally.shadow_rays += points.trace(point, luminaire, rays, u, v, n, known);
     for (uint32_t i = 0; i < n; ++i) {
       if (item.count == 0 && i == kPacket / 2) item.at_power = item.sums;  // halves of the first packet
-      item.sums.f += double(unshadowed[i]);
-      item.sums.fv += double(f[i]);
-      item.facing += unshadowed[i] > 0;
-      item.lit += f[i] > 0;
+      item.sums.f += double(points.diffuse[i]);
+      item.sums.fv += double(points.seen_diffuse[i]);
+      item.facing += points.diffuse[i] > 0;
+      item.lit += points.seen_diffuse[i] > 0;
       if (point.has_glossy) {
-        item.sums.p += double(phong[i]);
-        item.sums.pv += double(visible_phong[i]);
+        item.sums.p += double(points.glossy[i]);
+        item.sums.pv += double(points.seen_glossy[i]);
       }
     }
   }

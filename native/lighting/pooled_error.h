@@ -41,7 +41,10 @@ class PooledVariance {
   /// count_ratio: how many times the points of the estimate asked about it is from; variances fall as
   /// n^-fall.
   void add(double variance, double count_ratio, double fall) {
-    sum_ += count_ratio == 1 ? variance : variance * std::pow(count_ratio, fall);
+    add(count_ratio == 1 ? variance : variance * std::pow(count_ratio, fall));
+  }
+  void add(double variance) {
+    sum_ += variance;
     ++weight_;
   }
 

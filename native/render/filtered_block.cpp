@@ -4,11 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lighting/bounded_item.h"
-#include "lighting/pooled_error.h"
 #include "lighting/spread.h"
-#include "render/filtered_parts.h"
-#include "render/tile_error.h"
+#include "render/edge_light.h"
 
 namespace penumbra {
 namespace {
@@ -20,10 +17,6 @@ constexpr int kGateReach = 2, kFloodReach = 2;
 uint32_t halo(const PixelFilter& filter) {
   return uint32_t(kFloodReach + std::max(kGateReach, filter.reach() + 1) + 1) / 2 * 2;
 }
-
-/// First samples whose unshadowed values leave a plane by more than this share of the tolerance want more
-/// rays.
-constexpr double kResidualShare = 0.7;
 
 class FilteredBlock {
  public:
@@ -40,22 +33,12 @@ class FilteredBlock {
   void for_tiles(Function function);
   void first_look();
   void compare(uint32_t p);
-  void trace_each(std::span<const uint32_t> pixels, uint32_t first, uint32_t count);
-  void add_light(std::span<const SampleRun> runs);
-  void add_to(Slot& slot, const SlotColumns& column, uint32_t lane, uint32_t count,
-              VectorColumns& values) const;
-  void fit_plane(const SampleRun& run, uint32_t lane);
   void mark_uncertain(uint32_t p, uint32_t s);
-  void mark_unseen(uint32_t p);
   void find_uncertain();
   void flood();
   void start(std::span<const uint32_t> quad, int margin);
-  void first_level(std::span<const uint32_t> quad, int margin);
-  void advance(uint32_t p);
   template <typename Condition>
   std::vector<uint32_t> pixels_of(const Rectangle& tile, Condition condition) const;
-  void refine_smooth(const Rectangle& tile);
-  void refine_edges(const Rectangle& tile);
   void write();
   void tell(PixelTrace& trace);
 
@@ -63,13 +46,11 @@ class FilteredBlock {
   RenderTally& tally_;
   Rectangle area_;
   Block block_;
-  double display_scale_, tolerance_;
-  int dimensions_;
   Reused<FilteredPixel> pixels_;
   FilteredFrame frame_;
-  SamplePacket packet_;
+  FilteredSamples samples_;
   CentreLight centres_;
-  std::unique_ptr<FilteredParts> parts_;  // only where passes want them
+  EdgeLight edges_;
 };
 
 FilteredBlock::FilteredBlock(const RenderContext& context, const Rectangle& core, RenderTally& tally)
@@ -77,25 +58,26 @@ FilteredBlock::FilteredBlock(const RenderContext& context, const Rectangle& core
       tally_(tally),
       area_(with_halo(core, halo(context.filter), context.settings)),
       block_(block_of(core, area_, context.settings)),
-      display_scale_(std::exp2(context.settings.exposure)),
-      tolerance_(context.settings.error_tolerance),
-      dimensions_(context.pixel_rays.dimensions()),
       pixels_(context.memory),
       frame_(make_frame(context, area_, block_)),
-      packet_(context, frame_, tally),
-      centres_(context, block_, frame_, pixels_, tally) {
+      samples_(context, frame_, pixels_, tally),
+      centres_(context, block_, frame_, pixels_, tally),
+      edges_(context, block_, frame_, pixels_, samples_) {
   pixels_.resize(block_.pixels());
   if (tally.light.trace) aim(*tally.light.trace, area_);
-  if (c_.extras.any()) parts_ = std::make_unique<FilteredParts>(c_, frame_, block_.pixels());
 }
 
 void FilteredBlock::run() {
   first_look();
   find_uncertain();
   flood();
-  for_tiles([this](const Rectangle& tile) { refine_smooth(tile); });
-  for_quads([this](std::span<const uint32_t> quad) { first_level(quad, 0); });
-  for_tiles([this](const Rectangle& tile) { refine_edges(tile); });
+  for_tiles([this](const Rectangle& tile) {
+    centres_.refine(pixels_of(tile, [this](uint32_t p) { return is_smooth(p); }), tile);
+  });
+  for_quads([this](std::span<const uint32_t> quad) { edges_.start(quad, 0); });
+  for_tiles([this](const Rectangle& tile) {
+    edges_.refine(pixels_of(tile, [this](uint32_t p) { return frame_.edge[p]; }));
+  });
   write();
   if (PixelTrace* trace = tally_.light.trace) tell(*trace);
 }
@@ -128,7 +110,7 @@ void FilteredBlock::for_tiles(Function function) {
 /// Four samples of every pixel; edges between it and its neighbours are found while those are in the cache.
 void FilteredBlock::first_look() {
   for_quads([this](std::span<const uint32_t> quad) {
-    trace_each(quad, 0, kFirstSamples);
+    samples_.trace_each(quad, 0, kFirstSamples);
     for (uint32_t p : quad) compare(p);
   });
 }
@@ -140,94 +122,6 @@ void FilteredBlock::compare(uint32_t p) {
   };
   if (p % block_.width > 0) edge(p - 1);
   if (p >= block_.width) edge(p - block_.width);
-}
-
-/// Samples [first, first + count) of some pixels, as many pixels a packet as fit.
-void FilteredBlock::trace_each(std::span<const uint32_t> pixels, uint32_t first, uint32_t count) {
-  SampleRun runs[kPacket];
-  for (size_t begin = 0; begin < pixels.size(); begin += kPacket / count) {
-    const size_t n = std::min<size_t>(kPacket / count, pixels.size() - begin);
-    for (size_t i = 0; i < n; ++i) runs[i] = {pixels[begin + i], first, count};
-    packet_.trace({runs, n});
-    add_light({runs, n});
-  }
-}
-
-/// Adds what the packet found to its pixels' sums.
-void FilteredBlock::add_light(std::span<const SampleRun> runs) {
-  VectorColumns values;
-  uint32_t lane = 0;
-  for (const SampleRun& run : runs)
-    for (uint32_t i = 0; i < run.count; ++i, ++lane) values.set(lane, packet_.ends[lane].background);
-  for (const SlotColumns& column : packet_.contributions()) {
-    lane = 0;
-    for (const SampleRun& run : runs) {
-      add_to(slots(run.pixel)[column.slot], column, lane, run.count, values);
-      lane += run.count;
-    }
-  }
-  lane = 0;
-  for (const SampleRun& run : runs) {
-    FilteredPixel& pixel = pixels_[run.pixel];
-    if (run.first == 0) pixel.first = packet_.ends[lane].first;
-    if (run.first == 0) fit_plane(run, lane);
-    for (uint32_t i = 0; i < run.count; ++i, ++lane) {
-      const PathEnd& end = packet_.ends[lane];
-      const double x = max_component(values.get(lane)) * display_scale_;
-      pixel.background += end.background;
-      pixel.alpha += end.alpha;
-      pixel.x += x;
-      pixel.xx += x * x;
-      pixel.charged += packet_.charge[lane];
-      pixel.light_points += packet_.rays_of[lane];
-    }
-    pixel.count = run.first + run.count;
-  }
-  if (parts_) parts_->add(packet_, runs);
-}
-
-/// Adds `count` lanes to one pixel's slot, and what each of them sees to its value.
-void FilteredBlock::add_to(Slot& slot, const SlotColumns& column, uint32_t lane, uint32_t count,
-                           VectorColumns& values) const {
-  for (const uint32_t end = lane + count; lane < end; ++lane) {
-    if (!column.arrives(lane)) continue;
-    const Vec3d unshadowed = column.unshadowed.get(lane);
-    const bool traced = column.traced(lane), seen = traced ? packet_.sees(column, lane) : slot.lit;
-    slot.now.unshadowed += unshadowed;
-    if (seen) values.set(lane, values.get(lane) + unshadowed);
-    if (!traced) continue;
-    ++slot.rays;
-    slot.now.w += column.weight[lane];
-    slot.now.wv += seen ? column.weight[lane] : 0.0;
-    (seen ? slot.lit : slot.dark) = true;
-    slot.uncertain = slot.uncertain || (slot.lit && slot.dark);
-  }
-}
-
-/// The first samples' plane: unshadowed values at the pixel's centre, and how far they are from being a
-/// plane. `lane`: the first of the run.
-void FilteredBlock::fit_plane(const SampleRun& run, uint32_t lane) {
-  FilteredPixel& pixel = pixels_[run.pixel];
-  const PlaneFit fit(packet_.dx + lane, packet_.dy + lane);
-  const PathEnd* ends = packet_.ends + lane;
-  Vec3d residual;
-  bool uncertain = false;
-  for (uint32_t i = 0; i < kFirstSamples; ++i) {
-    pixel.background_fitted += ends[i].background * fit.h[i];
-    residual += ends[i].background * fit.r[i];
-    uncertain = uncertain || ends[i].first.object != ends[0].first.object ||
-                ends[i].first.lights != ends[0].first.lights;
-  }
-  for (const SlotColumns& column : packet_.contributions()) {
-    Vec3d& fitted = slots(run.pixel)[column.slot].fitted;
-    for (uint32_t i = 0; i < kFirstSamples; ++i) {
-      if (!column.arrives(lane + i)) continue;
-      const Vec3d unshadowed = column.unshadowed.get(lane + i);
-      fitted += unshadowed * fit.h[i];
-      residual += unshadowed * fit.r[i];
-    }
-  }
-  frame_.uncertain[run.pixel] = uncertain || max_abs(residual) * display_scale_ > kResidualShare * tolerance_;
 }
 
 void FilteredBlock::find_uncertain() {
@@ -251,7 +145,6 @@ void FilteredBlock::find_uncertain() {
     for (uint32_t p = 0; p < block_.pixels(); ++p)
       if (flags[p] == (kLit | kDark) || (wide && flags[p]) || blind[p]) mark_uncertain(p, s);
   }
-  for (uint32_t p = 0; p < block_.pixels(); ++p) mark_unseen(p);
 }
 
 /// Both lobes of a luminaire; a point light's shadow is an edge.
@@ -262,26 +155,18 @@ void FilteredBlock::mark_uncertain(uint32_t p, uint32_t s) {
   if (c_.luminaires[pair % c_.luminaires.size()].is_point()) frame_.edge[p] = 1;
 }
 
-/// An edge pixel that gets more samples may see luminaires that its first ones did not face.
-void FilteredBlock::mark_unseen(uint32_t p) {
-  if (!frame_.edge[p]) return;
-  for (Slot& slot : slots(p)) slot.uncertain = slot.uncertain || (!slot.lit && !slot.dark);
-}
-
 /// Where the first 16 points or samples of an uncertain pixel find penumbra, its neighbours may have it too.
 void FilteredBlock::flood() {
   for_quads([this](std::span<const uint32_t> quad) { start(quad, kFloodReach); });
   Reused<uint8_t> flags(c_.memory, block_.pixels());
   for (uint32_t s = 0; s < frame_.slot_count; ++s) {
     for (uint32_t p = 0; p < block_.pixels(); ++p)
-      flags[p] =
-          frame_.uncertain[p] &&
-          ((pixels_[p].count > kFirstSamples && slots(p)[s].lit && slots(p)[s].dark) || centres_.mixed(p, s));
+      flags[p] = frame_.uncertain[p] &&
+                 ((pixels_[p].sights && slots(p)[s].lit && slots(p)[s].dark) || centres_.mixed(p, s));
     spread(flags, block_.width, block_.height, kFloodReach);
     for (uint32_t p = 0; p < block_.pixels(); ++p)
       if (flags[p]) mark_uncertain(p, s);
   }
-  for (uint32_t p = 0; p < block_.pixels(); ++p) mark_unseen(p);
   for_quads([this](std::span<const uint32_t> quad) { start(quad, 0); });
 }
 
@@ -292,27 +177,7 @@ void FilteredBlock::start(std::span<const uint32_t> quad, int margin) {
   for (uint32_t p : quad)
     if (is_smooth(p) && block_.in_core(p, margin)) smooth[count++] = p;
   centres_.start({smooth, count});
-  first_level(quad, margin);
-}
-
-/// The first 16 samples of a quad's edges.
-void FilteredBlock::first_level(std::span<const uint32_t> quad, int margin) {
-  uint32_t edges[4], count = 0;
-  for (uint32_t p : quad)
-    if (frame_.edge[p] && pixels_[p].count < kPacket && block_.in_core(p, margin)) edges[count++] = p;
-  const std::span<const uint32_t> some(edges, count);
-  for (uint32_t p : some) mark_unseen(p);
-  trace_each(some, kFirstSamples, 8 - kFirstSamples);
-  for (uint32_t p : some) pixels_[p].remember_power(slots(p));
-  trace_each(some, 8, 8);
-  for (uint32_t p : some) pixels_[p].close_level(slots(p), display_scale_, dimensions_);
-}
-
-/// One level more for a pixel.
-void FilteredBlock::advance(uint32_t p) {
-  const uint32_t target = next_level(pixels_[p].count);
-  while (pixels_[p].count < target) trace_each({&p, 1}, pixels_[p].count, kPacket);
-  pixels_[p].close_level(slots(p), display_scale_, dimensions_);
+  edges_.start(quad, margin);
 }
 
 /// The tile's pixels (of the block) for which a condition holds.
@@ -323,33 +188,6 @@ std::vector<uint32_t> FilteredBlock::pixels_of(const Rectangle& tile, Condition 
     for (uint32_t x = tile.x; x < tile.x + tile.width; ++x)
       if (condition(y * block_.width + x)) pixels.push_back(y * block_.width + x);
   return pixels;
-}
-
-void FilteredBlock::refine_smooth(const Rectangle& tile) {
-  const auto smooth = [this](uint32_t p) { return is_smooth(p); };
-  centres_.refine(pixels_of(tile, smooth), tile);
-}
-
-void FilteredBlock::refine_edges(const Rectangle& tile) {
-  const std::vector<uint32_t> edges = pixels_of(tile, [this](uint32_t p) { return frame_.edge[p]; });
-  TileError errors(pixels_, frame_, edges, display_scale_, dimensions_);
-  std::vector<uint32_t> open = edges, again;
-  while (!open.empty()) {
-    again.clear();
-    errors.learn();
-    for (uint32_t p : open) {
-      FilteredPixel& pixel = pixels_[p];
-      const double error = errors.of(p), charged = pixel.charged / pixel.count;
-      const double tolerance =
-          tolerance_ * std::max(1.0, max_component(pixel.estimate(slots(p))) * display_scale_);
-      pixel.error = kPixelCalibration.report * error + charged;
-      if (kPixelCalibration.stop * error + charged <= tolerance) continue;
-      pixel.at_limit = next_level(pixel.count) > c_.settings.max_pixel_samples;
-      if (!pixel.at_limit) again.push_back(p);
-    }
-    for (uint32_t p : again) advance(p);
-    open.swap(again);
-  }
 }
 
 /// For --debug-pixel.
@@ -369,18 +207,19 @@ void FilteredBlock::write() {
     const std::span<const Slot> slot = slots(p);
     PixelLight light = pixel.light(slot);
     // A certain pixel: what its first look may have missed, as far as the calibration lets it.
-    if (!frame_.uncertain[p]) light = {pixel.fitted(slot), tolerance_ / 2, pixel.light_points};
+    if (!frame_.uncertain[p])
+      light = {pixel.fitted(slot), c_.settings.error_tolerance / 2, pixel.light_points};
     if (is_smooth(p)) light = centres_.light(p);
     PixelValues values;
     values.combined = light.radiance;
-    values.alpha = pixel.alpha / pixel.count;
+    values.alpha = pixel.opacity();
     values.light_samples = double(light.points);
     values.error_estimate = light.error;
     set_data_passes(values, pixel.first, c_.geometry.normalization());
     tally_.pixels_at_limit += light.at_limit;
     tally_.light.light_points += light.points;
     const bool broken = c_.film.write(x, y, values),
-               extra_broken = parts_ && parts_->write(p, x, y, pixel, centres_);
+               extra_broken = samples_.parts() && samples_.parts()->write(p, x, y, pixel, centres_);
     if ((broken || extra_broken) && tally_.non_finite_pixels++ == 0)
       tally_.first_non_finite = pixel_name(x, y, pixel.first.object);
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "render/filtered_parts.h"
 
+#include <algorithm>
 #include <optional>
 
 namespace penumbra {
@@ -13,6 +14,13 @@ FilteredParts::FilteredParts(const RenderContext& context, const FilteredFrame& 
       seen_(pixels) {
   if (c_.extras.want_parts() && c_.scene.has_mirrors()) mirrored_.resize(frame.slots.size());
   if (c_.extras.want_mattes()) mattes_.resize(pixels);
+}
+
+void FilteredParts::begin(uint32_t p) {
+  if (c_.extras.want_parts()) std::ranges::fill(sums_.of(p), Vec3d{});
+  if (!mattes_.empty()) mattes_[p].clear();
+  if (!mirrored_.empty())
+    std::fill_n(mirrored_.begin() + ptrdiff_t(p) * frame_.slot_count, frame_.slot_count, Vec3d{});
 }
 
 void FilteredParts::add(const SamplePacket& packet, std::span<const SampleRun> runs) {
@@ -43,6 +51,22 @@ void FilteredParts::add(const SamplePacket& packet, std::span<const SampleRun> r
         mirrored_[size_t(packet.pixel(i)) * frame_.slot_count + column.slot] += column.unshadowed.get(i);
 }
 
+void FilteredParts::add_value(SeenSurface& surface, const SamplePacket& packet, uint32_t lane) const {
+  if (!packet.parts) return;
+  const auto one = packet.parts->of(lane);
+  surface.parts.resize(one.size());
+  for (size_t k = 0; k < one.size(); ++k) surface.parts[k] += one[k];
+  const uint32_t lobes = frame_.glossy ? 2 : 1;
+  for (const SlotColumns& column : packet.contributions()) {
+    if (!column.arrives(lane)) continue;
+    const Vec3d light = column.unshadowed.get(lane);
+    const double m = packet.mirrored(column, lane) ? 1 : 0;
+    add_light(surface.parts, c_.luminaires[column.slot / lobes % c_.luminaires.size()],
+              column.slot % lobes ? kGlossyLight : kDiffuseLight,
+              {light * packet.visible(column, lane), light}, {m, m, m});
+  }
+}
+
 /// As FilteredBlock::write() has them for Combined.
 std::vector<Vec3d> FilteredParts::parts_of(uint32_t p, const FilteredPixel& pixel,
                                            const CentreLight& centres) const {
@@ -70,6 +94,10 @@ std::vector<Vec3d> FilteredParts::parts_of(uint32_t p, const FilteredPixel& pixe
               s % lobes ? kGlossyLight : kDiffuseLight, light, mirrored);
   }
   if (frame_.uncertain[p] && !edge) centres.add_parts(p, parts);
+  if (edge)
+    for (const SeenSurface& surface : pixel.sights->surfaces())
+      for (uint32_t k = 0; k < surface.parts.size(); ++k)
+        parts[k] += surface.parts[k] * (pixel.sights->weight(surface, pixel.count) / surface.valued);
   return parts;
 }
 

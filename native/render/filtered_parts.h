@@ -11,8 +11,12 @@ class FilteredParts {
  public:
   FilteredParts(const RenderContext& context, const FilteredFrame& frame, uint32_t pixels);
 
+  /// A pixel forgets its samples.
+  void begin(uint32_t p);
   /// Adds a packet's samples to their pixels.
   void add(const SamplePacket& packet, std::span<const SampleRun> runs);
+  /// Adds what one of them sees to the surface that it met.
+  void add_value(SeenSurface& surface, const SamplePacket& packet, uint32_t lane) const;
 
   /// Writes a pixel, x, y in the full frame. Returns whether something was not finite.
   bool write(uint32_t p, uint32_t x, uint32_t y, const FilteredPixel& pixel,

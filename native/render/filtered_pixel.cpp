@@ -3,8 +3,6 @@
 
 #include <cmath>
 
-#include "lighting/pooled_error.h"
-
 namespace penumbra {
 namespace {
 
@@ -12,6 +10,10 @@ namespace {
 /// more than this share of their distance (a curved surface that passes the first test stays below 0.16).
 constexpr float kEdgeCosine = 0.95f;
 constexpr double kEdgeSlope = 0.2;
+
+/// What may hide in a pixel where all samples agree with all neighbours, as a share of the light there:
+/// shadows so thin that none met them.
+constexpr double kUnseenShadow = 0.25;
 
 }  // namespace
 
@@ -49,7 +51,12 @@ PlaneFit::PlaneFit(const double* px, const double* py) {
 Vec3d FilteredPixel::estimate(std::span<const Slot> slots) const {
   Vec3d sum = background / count;
   for (const Slot& slot : slots) sum += slot.radiance(slot.now, count);
-  return sum;
+  return sights ? sum + sights->correction(count) : sum;
+}
+
+double FilteredPixel::opacity() const {
+  const double mean = alpha / count;
+  return sights ? std::clamp(mean + sights->alpha_correction(count), 0.0, 1.0) : mean;
 }
 
 Vec3d FilteredPixel::unshadowed(std::span<const Slot> slots) const {
@@ -81,36 +88,26 @@ void tell(PixelTrace& trace, const FilteredPixel& pixel, std::span<const Slot> s
   }
 }
 
-double FilteredPixel::prior_variance(std::span<const Slot> slots, double display_scale,
-                                     double exponent) const {
-  const double n = count, mean = x / n, opaque = alpha / n;
-  // As if one more sample had seen the opposite: samples that agree are no proof.
-  const double opposite = std::max(mean, max_abs(unshadowed(slots)) * display_scale);
-  const double spread = std::max(xx / n - mean * mean, 0.0) + opposite * opposite / n;
-  return std::max(std::max(spread, opaque * (1 - opaque)) * std::pow(n, -2 * exponent),
-                  blind_variance(slots, display_scale, exponent));
-}
-
 /// Of luminaires mostly below the horizon: only samples of what is above tell how much of it is seen.
-double FilteredPixel::blind_variance(std::span<const Slot> slots, double display_scale,
-                                     double exponent) const {
+double FilteredPixel::blind_variance(std::span<const Slot> slots, const ErrorModel& model) const {
   double sum = 0;
   for (const Slot& slot : slots) {
     if (!slot.uncertain || slot.rays == 0 || 2 * slot.rays >= count) continue;
-    const double size = max_abs(slot.now.unshadowed) / count * display_scale;
-    sum += size * size * 0.25 * std::pow(slot.rays, -2 * exponent);
+    const double size = max_abs(slot.now.unshadowed) / count * model.display_scale;
+    sum += size * size * 0.25 * std::pow(double(count) / slot.rays, 2 * model.light_exponent());
   }
   return sum;
 }
 
-double FilteredPixel::unknown_variance(std::span<const Slot> slots, double display_scale) const {
+/// Luminaires that no sample could look at, all of their light; and surfaces that few samples met.
+double FilteredPixel::unknown(std::span<const Slot> slots, double display_scale) const {
   double sum = 0;
   for (const Slot& slot : slots) {
     if (!slot.uncertain || slot.rays > 0) continue;
     const double size = max_abs(slot.now.unshadowed) / count * display_scale;
     sum += size * size;
   }
-  return sum;
+  return sum + sights->mean_variance(count);
 }
 
 void FilteredPixel::remember_power(std::span<const Slot> slots) {
@@ -122,7 +119,39 @@ void FilteredPixel::remember_power(std::span<const Slot> slots) {
   for (const Slot& slot : slots) power.slots.push_back(slot.now);
 }
 
-void FilteredPixel::close_level(std::span<const Slot> slots, double display_scale, double dimensions) {
+void FilteredPixel::close_level(std::span<const Slot> slots, const ErrorModel& model) {
+  if (sights->has_new_rays()) close_rays(slots, model);
+  if (count > closed) close_samples(slots, model);
+  unknown_variance = unknown(slots, model.display_scale);
+}
+
+void FilteredPixel::close_rays(std::span<const Slot> slots, const ErrorModel& model) {
+  const double n = sights->rays();
+  // As if one more ray had seen the opposite: rays that agree are no proof.
+  const double opposite = max_abs(unshadowed(slots)) * model.display_scale;
+  shares.fall = std::pow(n, -2 * model.share_exponent());
+  shares.expected = sights->spread_between(model.display_scale) + opposite * opposite / n;
+  shares.by_blocks =
+      sights->close_rays(model.display_scale, model.dimensions - kLightDimensions) / shares.fall;
+}
+
+void FilteredPixel::close_samples(std::span<const Slot> slots, const ErrorModel& model) {
+  closed = count;
+  const double n = count;
+  // As above, of rays to luminaires.
+  double opposite = 0;
+  for (const Slot& slot : slots)
+    opposite += max_abs(slot.now.unshadowed) / n * model.display_scale *
+                (slot.split       ? 1.0 / kPacket
+                 : slot.uncertain ? 1
+                                  : kUnseenShadow);
+  light_variance.fall = std::pow(n, -2 * model.light_exponent());
+  light_variance.expected =
+      std::max(sights->spread_within() + opposite * opposite / n, blind_variance(slots, model));
+  light_variance.by_blocks = variance_of_level(slots, model) / light_variance.fall;
+}
+
+double FilteredPixel::variance_of_level(std::span<const Slot> slots, const ErrorModel& model) {
   const LevelSums &half = history->half, &power = history->power;
   const bool power_of_two = (count & (count - 1)) == 0;
   const int blocks = power_of_two ? 2 : 3;
@@ -153,20 +182,18 @@ void FilteredPixel::close_level(std::span<const Slot> slots, double display_scal
       values[2] += slot.radiance(slot.now - power.slots[s], size);
     }
   }
-  Vec3d mean, squares;
-  double alpha_squares = 0;
-  for (int i = 0; i < blocks; ++i) mean += values[i] / blocks;
-  for (int i = 0; i < blocks; ++i) squares += (values[i] - mean) * (values[i] - mean);
-  for (int i = 0; i < blocks; ++i) {
-    const double deviation = alphas[i] / size - alpha / count;
-    alpha_squares += deviation * deviation;
+  for (int b = 0; b < blocks; ++b) {
+    values[b] = values[b] - sights->block_value(&SeenSurface::samples, b, power_of_two, size);
+    alphas[b] = alphas[b] / size - sights->block_alpha(&SeenSurface::samples, b, power_of_two, size);
   }
-  // Of an edge in so many dimensions the variance falls as n^-(1 + 1 / dimensions).
-  variance = std::max(max_component(squares) * display_scale * display_scale, alpha_squares) *
-             share_of_blocks(blocks, 1 + 1 / dimensions);
-  if (!power_of_two) return;
-  std::swap(history->half, history->power);
-  remember_power(slots);
+  if (power_of_two) {
+    std::swap(history->half, history->power);
+    remember_power(slots);
+  }
+  const double variance = variance_of_blocks({values, size_t(blocks)}, {alphas, size_t(blocks)},
+                                             model.display_scale, model.dimensions);
+  if (power_of_two) sights->mark_samples();
+  return variance;
 }
 
 }  // namespace penumbra

@@ -9,6 +9,8 @@
 
 #include "render/film.h"
 #include "render/paths.h"
+#include "render/pixel_sights.h"
+#include "sampling/pixel_light_sampler.h"
 
 namespace penumbra {
 
@@ -30,7 +32,8 @@ struct Slot {
   Vec3d fitted;  // unshadowed radiance at the pixel's centre, by a plane through the first samples
   bool lit = false, dark = false;  // seen by some ray
   bool uncertain = false;
-  uint32_t rays = 0;  // samples whose point on the luminaire was above the horizon, and looked at
+  bool split = false;  // each sample looks at as many points as a packet holds
+  uint32_t rays = 0;   // samples whose point on the luminaire was above the horizon, and looked at
 
   Slot() {}  // without it a vector of them is zeroed once more
   /// Radiance from `s`, sums over `count` samples: unshadowed mean x visible fraction.
@@ -51,46 +54,73 @@ struct LevelSums {
   std::vector<SlotSums> slots;
 };
 
+/// How errors of filtered pixels fall.
+struct ErrorModel {
+  double display_scale;
+  int dimensions;  // of a sample
+
+  /// Of the standard error's n^-e: of the light on surfaces, and of the surfaces' shares.
+  double light_exponent() const { return 0.5 + 0.6 / dimensions; }
+  double share_exponent() const { return 0.5 + 0.6 / (dimensions - kLightDimensions); }
+};
+
+/// One part of an estimate's variance, display units squared, as if of one sample: it falls as n^-2e.
+struct PartVariance {
+  double by_blocks = 0;  // as the pixel's own blocks tell it
+  double expected = 0;   // before any block is asked; for c = 1
+  double fall = 1;       // n^-2e
+};
+
 struct FilteredPixel {
   FilteredPixel() {}  // as above
 
-  uint32_t count = 0;  // samples
+  uint32_t count = 0, closed = 0;  // samples; those of the last level
   bool at_limit = false;
   Vec3d background, background_fitted;  // sum; at the centre
   double alpha = 0;                     // sum
-  double x = 0, xx = 0;                 // sums of each sample's own value and its square, display units
-  double variance = 0;                  // of the estimate, by its blocks, display units squared
+  PartVariance shares, light_variance;  // of the surfaces in it; of the light on them
+  double unknown_variance = 0;          // of what neighbours can't help with, display units squared
   double charged = 0;                   // error of what was left out, display units
   double error = 0;                     // reported
   uint64_t light_points = 0;
-  FirstSight first;  // of the first sample
+  FirstSight first;              // of the first sample
+  Primitive met[kFirstSamples];  // by the first samples' camera rays
   /// At the two powers of two before; few pixels have levels.
   struct History {
     LevelSums half, power;
   };
   std::unique_ptr<History> history;
+  std::unique_ptr<PixelSights> sights;  // of edges
 
+  /// Before any sample.
+  void begin() {
+    count = closed = 0;
+    background = {};
+    alpha = charged = 0;
+  }
   /// From all samples.
   PixelLight light(std::span<const Slot> slots) const {
     return {estimate(slots), error, light_points, at_limit};
   }
-  /// From all samples so far.
+  /// From all samples and camera rays so far.
   Vec3d estimate(std::span<const Slot> slots) const;
-  /// The same, if nothing hid anything: what unseen occluders can be wrong about.
+  double opacity() const;
+  /// What the samples would be, if nothing hid anything: what unseen occluders can be wrong about.
   Vec3d unshadowed(std::span<const Slot> slots) const;
   /// From the first samples and the certain slots alone: at the pixel's centre.
   Vec3d fitted(std::span<const Slot> slots) const;
-  /// Of the estimate, from the spread of the samples alone, display units squared; with the exponent e of the
-  /// standard error's n^-e.
-  double prior_variance(std::span<const Slot> slots, double display_scale, double exponent) const;
-  double blind_variance(std::span<const Slot> slots, double display_scale, double exponent) const;
-  /// Of luminaires that no sample could look at: all of their light. Neighbours can't help here.
-  double unknown_variance(std::span<const Slot> slots, double display_scale) const;
   /// Half of the first level is done.
   void remember_power(std::span<const Slot> slots);
-  /// After the samples up to `count`, a level: the variance that its blocks tell; remembers the sums.
-  /// dimensions: of a sample.
-  void close_level(std::span<const Slot> slots, double display_scale, double dimensions);
+  /// After the samples, or the rays, or both up to a level: what they tell of the variances. Remembers the
+  /// sums.
+  void close_level(std::span<const Slot> slots, const ErrorModel& model);
+
+ private:
+  void close_samples(std::span<const Slot> slots, const ErrorModel& model);
+  void close_rays(std::span<const Slot> slots, const ErrorModel& model);
+  double unknown(std::span<const Slot> slots, double display_scale) const;
+  double variance_of_level(std::span<const Slot> slots, const ErrorModel& model);
+  double blind_variance(std::span<const Slot> slots, const ErrorModel& model) const;
 };
 
 /// What the pixel's samples decided about each luminaire, for --debug-pixel. lobes: of each luminaire in the

@@ -23,7 +23,7 @@ class PixelRays {
   /// More than the pixel filter spreads a pixel's rays: what one of them sees tells little of the others.
   bool spread() const { return camera_.has_lens() || moves_; }
   /// Of a sample, its place on a luminaire included.
-  int dimensions() const { return 4 + (camera_.has_lens() ? 2 : 0) + (moves_ ? 1 : 0); }
+  int dimensions() const { return 2 + kLightDimensions + (camera_.has_lens() ? 2 : 0) + (moves_ ? 1 : 0); }
 
   /// Rays of at most kPacket samples, pixel after pixel; their places dx, dy in pixels from its centre.
   void make(std::span<const PixelSamples> pixels, Ray* rays, double* dx, double* dy) const;

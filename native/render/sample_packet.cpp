@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "lighting/bounded_item.h"
+#include "lighting/light_batch.h"
 #include "lighting/lobe_colours.h"
 #include "math/simd.h"
 #include "sampling/hash.h"
@@ -134,9 +136,8 @@ void SamplePacket::trace(std::span<const SampleRun> runs) {
   tally_.light.shadow_rays += queue_.traced() - traced_before;
 }
 
-/// Camera rays, and the surface points that they see.
-void SamplePacket::find_points(std::span<const SampleRun> runs) {
-  Ray rays[kPacket];
+/// The runs' camera rays; returns their number.
+uint32_t SamplePacket::make_rays(std::span<const SampleRun> runs, Ray* rays) {
   PixelSamples samples[kPacket];
   uint32_t lane = 0;
   for (size_t r = 0; r < runs.size(); ++r) {
@@ -145,16 +146,29 @@ void SamplePacket::find_points(std::span<const SampleRun> runs) {
     samples[r] = {frame_.area.x + run.pixel % frame_.block_width,
                   frame_.area.y + run.pixel / frame_.block_width,
                   {frame, run.first, run.count}};
-    for (uint32_t i = 0; i < run.count; ++i, ++lane) {
-      lanes_[lane] = {run.pixel, run.first + i, frame};
-      charge[lane] = 0;
-      rays_of[lane] = 0;
-    }
+    for (uint32_t i = 0; i < run.count; ++i) lanes_[lane++] = {run.pixel, run.first + i, frame};
   }
   c_.pixel_rays.make({samples, runs.size()}, rays, dx, dy);
+  tally_.primary_rays += lane;
+  return lane;
+}
+
+void SamplePacket::look(std::span<const SampleRun> runs) {
+  tally_.light.stop_if_cancelled();
+  Ray rays[kPacket];
+  const uint32_t count = make_rays(runs, rays);
+  c_.geometry.intersect(rays, (1u << count) - 1, hits);
+}
+
+/// Camera rays, and the surface points that they see.
+void SamplePacket::find_points(std::span<const SampleRun> runs) {
+  Ray rays[kPacket];
+  const uint32_t lane = make_rays(runs, rays);
+  std::fill_n(charge, lane, 0.0);
+  std::fill_n(rays_of, lane, 0u);
   HitColumns found;
   c_.geometry.find_surfaces(rays, lane, found);
-  tally_.primary_rays += lane;
+  std::copy_n(found.hits, lane, hits);
   points_.clear();
   const bool recorded = c_.extras.any();
   if (parts) parts->clear();
@@ -230,6 +244,10 @@ void SamplePacket::light(std::span<const SampleRun> runs, uint32_t l, const Batc
     }
     const uint32_t s = (batch.bounce[i] * luminaires_ + l) * lobes_;
     const Slot* slot = &frame_.of_pixel(lanes_[lane].pixel)[s];
+    if (slot->split) {
+      light_by_packet(lit, l, form_factors[i], u[i], v[i], lane, s);
+      continue;
+    }
     const bool wanted = wants_ray(lanes_[lane], *slot, l) || (frame_.glossy && slot[1].uncertain);
     int32_t ray = SlotColumns::kNoRay;
     if (wanted && sampled > 0) {
@@ -242,6 +260,48 @@ void SamplePacket::light(std::span<const SampleRun> runs, uint32_t l, const Batc
     if (light.glossy_weight > 0)
       columns_of(s + 1).set(lane, light.glossy, max_abs(light.glossy) * display_scale_, ray);
   }
+}
+
+/// Of the luminaire's 4 x 4 cells one point each, at the sample's place (u, v) in its cell: the integrand
+/// that remains in four dimensions varies far less than that of one point.
+void SamplePacket::light_by_packet(const LitPoint& lit, uint32_t l, double form_factor, float u, float v,
+                                   uint32_t lane, uint32_t s) {
+  constexpr uint32_t kCells = 4;
+  static_assert(kCells * kCells == kPacket);
+  const Luminaire& luminaire = c_.luminaires[l];
+  alignas(64) float cell_u[kPacket], cell_v[kPacket];
+  for (uint32_t k = 0; k < kPacket; ++k) {
+    cell_u[k] = (float(k % kCells) + u) / kCells;
+    cell_v[k] = (float(k / kCells) + v) / kCells;
+  }
+  const ShadingPoint shading(lit.surface, *lit.material, lit.ray_direction);
+  LightBatch points;
+  const uint32_t rays = points.trace(shading, luminaire, {c_.geometry, lit.surface, luminaire.shadow_kind()},
+                                     cell_u, cell_v, kPacket);
+  tally_.light.shadow_rays += rays;
+  rays_of[lane] += rays;
+  const auto sum = [](const float* values) { return std::accumulate(values, values + kPacket, 0.0); };
+  const Vec3d arriving = lit.throughput * luminaire.radiance();
+  if (luminaire.role().diffuse) {
+    const DiffuseColour colour = diffuse_colour(shading, luminaire);
+    const Vec3d diffuse = arriving * colour.mean * form_factor;
+    const double size = max_abs(diffuse) * display_scale_, all = sum(points.diffuse);
+    if (size > 0)
+      columns_of(s).set(lane, diffuse, size * all / (kPacket * form_factor * colour.weight),
+                        all > 0 ? SlotColumns::kRays : SlotColumns::kNoRay,
+                        all > 0 ? sum(points.seen_diffuse) / all : 0);
+  }
+  if (!shading.has_glossy || !luminaire.role().glossy) return;
+  // No closed form: the points' mean itself stands for the unshadowed value.
+  Reflection lobe;
+  add_reflection(shading, points.points.x, points.points.y, points.points.z, points.points.form_factor,
+                 kPacket, lobe);
+  if (lobe.weight <= 0) return;
+  const Vec3d glossy =
+      arriving * (lit.material->has_glossy_lobes ? lobe.glossy : lit.material->phong * lobe.weight) / kPacket;
+  const double all = sum(points.glossy);
+  columns_of(s + 1).set(lane, glossy, max_abs(glossy) * display_scale_, SlotColumns::kRays,
+                        all > 0 ? sum(points.seen_glossy) / all : 0);
 }
 
 /// The same as LambertColumns have, where there is more.
@@ -267,15 +327,23 @@ SamplePacket::Reflected SamplePacket::reflected_by_lobes(const LitPoint& lit, co
   return light;
 }
 
+Vec3d SamplePacket::value(uint32_t lane) const {
+  Vec3d sum = ends[lane].background;
+  for (const SlotColumns& column : contributions_) {
+    if (column.arrives(lane)) sum += column.unshadowed.get(lane) * visible(column, lane);
+  }
+  return sum;
+}
+
 /// A sample sees of the dropped luminaires what it sees of the others.
 void SamplePacket::add_dropped() {
-  uint32_t lit[kPacket] = {}, dark[kPacket] = {};
+  double lit[kPacket] = {}, dark[kPacket] = {};
   for (const SlotColumns& column : contributions_)
     for (uint32_t lane = 0; lane < kPacket; ++lane) {
       if (!column.arrives(lane)) continue;
-      const bool seen =
-          column.traced(lane) ? sees(column, lane) : frame_.of_pixel(pixel(lane))[column.slot].lit;
-      ++(seen ? lit : dark)[lane];
+      const double share = visible(column, lane);
+      lit[lane] += share;
+      dark[lane] += 1 - share;
     }
   for (const Dropped& one : dropped_) {
     const LitPoint& at = points_[one.point];

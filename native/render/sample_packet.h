@@ -21,20 +21,23 @@ struct SampleRun {
 struct SlotColumns {
   static constexpr int32_t kNoRay = -1;    // none was wanted
   static constexpr int32_t kNothing = -2;  // nothing arrives, the rest is not set
+  static constexpr int32_t kRays = -3;     // a packet of them, whose result is known
 
   uint32_t slot;
   VectorColumns unshadowed;
-  double weight[kPacket];  // of the sampled point on the luminaire, display units
+  double weight[kPacket];  // of the points on the luminaire, display units
+  double seen[kPacket];    // share of it, by kRays
   int32_t ray[kPacket];    // number among the packet's shadow rays
 
   explicit SlotColumns(uint32_t s) : slot(s) { std::fill_n(ray, kPacket, kNothing); }
-  void set(uint32_t lane, const Vec3d& light, double w, int32_t r) {
+  void set(uint32_t lane, const Vec3d& light, double w, int32_t r, double share = 0) {
     unshadowed.set(lane, light);
     weight[lane] = w;
+    seen[lane] = share;
     ray[lane] = r;
   }
   bool arrives(uint32_t lane) const { return ray[lane] != kNothing; }
-  bool traced(uint32_t lane) const { return ray[lane] >= 0; }
+  bool traced(uint32_t lane) const { return ray[lane] >= 0 || ray[lane] == kRays; }
 };
 
 /// Where the pixels of a block are, and their slots.
@@ -63,9 +66,12 @@ class SamplePacket {
   /// Traces at most kPacket samples; lanes are numbered through the runs. Rays to luminaires are traced for
   /// a pixel's first samples, and later for slots that are uncertain.
   void trace(std::span<const SampleRun> runs);
+  /// The camera rays of at most kPacket samples, and what they meet first, alone.
+  void look(std::span<const SampleRun> runs);
 
   // Of the last packet, by lane:
   double dx[kPacket], dy[kPacket];  // place, pixels from the pixel's centre
+  Hit hits[kPacket];                // of the camera ray
   PathEnd ends[kPacket];
   double charge[kPacket];     // error of dim luminaires that were left out, display units
   uint32_t rays_of[kPacket];  // shadow rays
@@ -79,8 +85,15 @@ class SamplePacket {
   const std::vector<SlotColumns>& contributions() const { return contributions_; }
   /// It came by way of mirrors.
   bool mirrored(const SlotColumns& column, uint32_t lane) const;
-  /// For a lane with a ray.
-  bool sees(const SlotColumns& column, uint32_t lane) const { return visible_[size_t(column.ray[lane])]; }
+  /// The share of a slot's light that reaches a lane to which some arrives: without a ray, as the pixel's
+  /// others told.
+  double visible(const SlotColumns& column, uint32_t lane) const {
+    const int32_t ray = column.ray[lane];
+    if (ray >= 0) return visible_[size_t(ray)];
+    return ray == SlotColumns::kRays ? column.seen[lane] : frame_.of_pixel(pixel(lane))[column.slot].lit;
+  }
+  /// What a lane's sample sees.
+  Vec3d value(uint32_t lane) const;
 
  private:
   struct Lane {
@@ -89,6 +102,7 @@ class SamplePacket {
   };
   struct Batch;
   uint64_t frame_pixel(uint32_t p) const;
+  uint32_t make_rays(std::span<const SampleRun> runs, Ray* rays);
   void find_points(std::span<const SampleRun> runs);
   void light(std::span<const SampleRun> runs, uint32_t luminaire, const Batch& batch,
              const ShadowOrigins& origins);
@@ -102,6 +116,8 @@ class SamplePacket {
   };
   Reflected reflected_by_lobes(const LitPoint& lit, const Luminaire& luminaire, double form_factor,
                                const Vec3f& to_light, float sampled) const;
+  void light_by_packet(const LitPoint& lit, uint32_t luminaire, double form_factor, float u, float v,
+                       uint32_t lane, uint32_t slot);
   void place_on_light(std::span<const SampleRun> runs, uint32_t luminaire, const Batch& batch, float* u,
                       float* v) const;
   bool wants_ray(const Lane& lane, const Slot& slot, uint32_t luminaire) const;

@@ -6,26 +6,29 @@
 
 namespace penumbra {
 
+/// Of a pixel's estimate, display units squared.
+struct PixelVariance {
+  double shares;  // of the surfaces in it
+  double light;   // on them
+};
+
 class TileError {
  public:
-  /// edges: the tile's pixels that get samples all over the filter. dimensions: of a sample.
+  /// edges: the tile's pixels that get samples all over the filter.
   TileError(const std::vector<FilteredPixel>& pixels, const FilteredFrame& frame,
-            std::span<const uint32_t> edges, double display_scale, int dimensions);
+            std::span<const uint32_t> edges);
 
   /// How edges converge here is learned from the blocks of all pixels, beginning with the calibration's
   /// constant. After each change of the pixels.
   void learn();
 
-  /// Of a pixel's estimate, display units.
-  double of(uint32_t pixel) const;
+  PixelVariance of(uint32_t pixel) const;
 
- private:
-  double prior(uint32_t pixel) const;
-
+ public:
   const std::vector<FilteredPixel>& pixels_;
   const FilteredFrame& frame_;
   std::span<const uint32_t> edges_;
-  double display_scale_, exponent_, smoothed_ = 0;
+  PixelVariance smoothed_ = {};  // as shares of what is expected
 };
 
 }  // namespace penumbra

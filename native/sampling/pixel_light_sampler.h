@@ -10,6 +10,9 @@
 
 namespace penumbra {
 
+/// Of a sample, its place on a luminaire.
+inline constexpr int kLightDimensions = 2;
+
 /// Consecutive samples of one pixel. key: its stream.
 struct SampleRange {
   uint64_t key;

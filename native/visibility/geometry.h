@@ -16,6 +16,26 @@
 
 namespace penumbra {
 
+/// Which triangle a ray meets, and no more.
+struct Primitive {
+  uint32_t instance = Hit::kNone, triangle = Hit::kNone;
+
+  Primitive() {}
+  Primitive(const Hit& hit) : instance(hit.instance), triangle(hit.triangle) {}
+  friend bool operator==(const Primitive&, const Primitive&) = default;
+};
+
+/// A triangle, as far as it tells surfaces apart. In the space of the mesh, in the middle of the shutter's
+/// time; strands have no normal.
+struct Facet {
+  Primitive primitive;
+  uint32_t material = 0;
+  Vec3d normal, corner;  // of any length
+};
+
+/// Do they belong to one surface that is smooth there: light on it may be much the same?
+bool same_surface(const Facet& a, const Facet& b);
+
 /// What a scene's triangles are to rays. Immutable, so that threads and renders can share it.
 class Geometry {
  public:
@@ -62,6 +82,8 @@ class Geometry {
     const PlacedInstance& instance = instances_[hit.instance];
     return material_of(*meshes_[instance.mesh], instance, hit.triangle);
   }
+  /// Also of nothing.
+  Facet facet_of(const Primitive& primitive) const;
   const ObjectTraits& traits_of(uint32_t instance) const { return instances_[instance].traits; }
 
   /// What Embree calls at surfaces that may be transparent; the context is an embree::ShadowContext.

@@ -71,7 +71,36 @@ void orient(HitColumns& c) {
   }
 }
 
+/// Facets of one surface: the angle between their normals is smaller than this, and one lies off the other's
+/// plane by less than this share of their distance.
+constexpr double kSameCosine = 0.9, kSameSlope = 0.2;
+
 }  // namespace
+
+bool same_surface(const Facet& a, const Facet& b) {
+  if (a.primitive.instance != b.primitive.instance || a.material != b.material) return false;
+  if (a.primitive == b.primitive) return true;
+  const double aa = dot(a.normal, a.normal), bb = dot(b.normal, b.normal), ab = dot(a.normal, b.normal);
+  const Vec3d between = b.corner - a.corner;
+  const double off = dot(between, a.normal);
+  return ab * std::abs(ab) >= kSameCosine * kSameCosine * aa * bb &&
+         off * off <= kSameSlope * kSameSlope * aa * dot(between, between);
+}
+
+Facet Geometry::facet_of(const Primitive& primitive) const {
+  Facet facet;
+  if (primitive.instance == Hit::kNone) return facet;
+  const PlacedInstance& instance = instances_[primitive.instance];
+  const PlacedMesh& mesh = *meshes_[instance.mesh];
+  facet.primitive = primitive;
+  facet.material = material_of(mesh, instance, primitive.triangle);
+  if (mesh.strands != StrandShape::kNone) return facet;
+  const auto& corners = mesh.triangles[primitive.triangle];
+  facet.corner = mesh.position(corners[0], 0.5);
+  facet.normal =
+      cross(mesh.position(corners[1], 0.5) - facet.corner, mesh.position(corners[2], 0.5) - facet.corner);
+  return facet;
+}
 
 /// An instance's transforms at a time.
 struct Geometry::Moved {

@@ -140,12 +140,53 @@ Scene sphere_on_floor() {
   return scene;
 }
 
-Scene four_objects() {
-  Scene scene = stage(20, 6, 2);
+void add_four_objects(Scene& scene) {
   add(scene, sphere(40), placed({-1.6, 1.2, 1}, 1));
   add(scene, torus(36), placed({1.6, 1.3, 0.35}, 1));
   add(scene, cone(64), placed({1.5, -1.6, 0}, 1));
   add(scene, box(), placed({-1.6, -1.5, 0.8}, 0.8, 0.5));
+}
+
+Scene four_objects() {
+  Scene scene = stage(20, 6, 2);
+  add_four_objects(scene);
+  return scene;
+}
+
+/// On a floor of light and dark squares.
+Scene checker() {
+  Scene scene = stage(1e-3, 6, 2);
+  Material dark;
+  dark.name = "dark";
+  dark.diffuse = {0.25, 0.25, 0.25};
+  scene.add_material(dark);
+  constexpr uint32_t kSquares = 40;
+  Mesh squares = grid("squares", kSquares, kSquares, [](double u, double v) {
+    return Vec3d{20 * (2 * u - 1), 20 * (2 * v - 1), 0};
+  });
+  for (uint32_t i = 0; i < squares.triangles.size(); ++i)
+    squares.material_slots.push_back((i / 2 % kSquares + i / 2 / kSquares) % 2);
+  scene.add_instance({"squares", scene.add_mesh(std::move(squares)), {}, {0, 1}});
+  add_four_objects(scene);
+  return scene;
+}
+
+/// Bars, and wires down to an eighth of a pixel.
+Scene wires() {
+  Scene scene = stage(20, 6, 2);
+  const auto add_bar = [&](const Vec3d& half, const Vec3d& at, double turn) {
+    Affine place = placed(at, 1, turn);
+    place.x_axis = place.x_axis * half.x;
+    place.y_axis = place.y_axis * half.y;
+    place.z_axis = place.z_axis * half.z;
+    add(scene, box(), place);
+  };
+  for (int i = 0; i < 40; ++i) add_bar({0.02, 0.015, 0.8}, {-3 + 0.15 * i, 0, 0.8}, 0);
+  for (uint64_t i = 0; i < 20; ++i) {
+    const double half = 0.001 + 0.01 * variate(i, 200);
+    add_bar({2, half, half}, {4 * variate(i, 201) - 2, 4 * variate(i, 202) - 2, 0.3 + 1.2 * variate(i, 203)},
+            kPi * variate(i, 204));
+  }
   return scene;
 }
 
@@ -194,6 +235,8 @@ const std::vector<NamedScene>& scenes() {
   static const std::vector<NamedScene> list{{"open floor", open_floor},
                                             {"sphere on floor", sphere_on_floor},
                                             {"four objects", four_objects},
+                                            {"checker", checker},
+                                            {"wires", wires},
                                             {"plants, 1 M triangles", [] { return field(false); }},
                                             {"plants, instanced", [] { return field(true); }}};
   return list;

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "render/pixel_sights.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "lighting/pooled_error.h"
+
+namespace penumbra {
+namespace {
+
+/// Surfaces that are told apart in one pixel.
+constexpr size_t kMostSurfaces = 6;
+
+}  // namespace
+
+uint32_t PixelSights::surface_of(const Geometry& geometry, const Primitive& met, uint32_t index) {
+  for (uint32_t i = 0; i < surfaces_.size(); ++i)
+    if (surfaces_[i].facet.primitive == met) return i;
+  const Facet facet = geometry.facet_of(met);
+  for (uint32_t i = 0; i < surfaces_.size(); ++i)
+    if (same_surface(surfaces_[i].facet, facet)) return i;
+  if (surfaces_.size() == kMostSurfaces) return kMostSurfaces - 1;
+  SeenSurface& surface = surfaces_.emplace_back();
+  surface.facet = facet;
+  surface.index = index;
+  return uint32_t(surfaces_.size()) - 1;
+}
+
+void PixelSights::count_ray(uint32_t surface, uint32_t index) {
+  if (index < rays_) return;
+  ++surfaces_[surface].rays.now;
+  rays_ = index + 1;
+}
+
+Vec3d PixelSights::correction(uint32_t samples) const {
+  Vec3d sum;
+  for (const SeenSurface& s : surfaces_) sum += s.mean() * weight(s, samples);
+  return sum;
+}
+
+double PixelSights::alpha_correction(uint32_t samples) const {
+  double sum = 0;
+  for (const SeenSurface& s : surfaces_) sum += s.mean_alpha() * weight(s, samples);
+  return sum;
+}
+
+Vec3d PixelSights::block_value(LevelCounts SeenSurface::*counts, int block, bool power_of_two,
+                               double size) const {
+  Vec3d sum;
+  for (const SeenSurface& s : surfaces_) sum += s.mean() * ((s.*counts).in_block(block, power_of_two) / size);
+  return sum;
+}
+
+double PixelSights::block_alpha(LevelCounts SeenSurface::*counts, int block, bool power_of_two,
+                                double size) const {
+  double sum = 0;
+  for (const SeenSurface& s : surfaces_)
+    sum += s.mean_alpha() * (s.*counts).in_block(block, power_of_two) / size;
+  return sum;
+}
+
+double PixelSights::spread_between(double display_scale) const {
+  Vec3d mean;
+  double alpha = 0;
+  for (const SeenSurface& s : surfaces_) {
+    mean += s.mean() * (double(s.rays.now) / rays_);
+    alpha += s.mean_alpha() * s.rays.now / rays_;
+  }
+  double sum = 0;
+  for (const SeenSurface& s : surfaces_) {
+    const double difference =
+        std::max(max_abs(s.mean() - mean) * display_scale, std::abs(s.mean_alpha() - alpha));
+    sum += difference * difference * s.rays.now / rays_;
+  }
+  return sum;
+}
+
+double PixelSights::spread_within() const {
+  double sum = 0;
+  uint32_t valued = 0;
+  for (const SeenSurface& s : surfaces_) {
+    sum += s.spread() * s.valued;
+    valued += s.valued;
+  }
+  return sum / valued;
+}
+
+double PixelSights::mean_variance(uint32_t samples) const {
+  double sum = 0;
+  for (const SeenSurface& s : surfaces_) {
+    const double w = weight(s, samples);
+    // Without an own spread, its value's square.
+    sum += w * w * (s.valued > 1 ? s.spread() : s.xx) / s.valued;
+  }
+  return sum;
+}
+
+void PixelSights::mark_samples() {
+  for (SeenSurface& s : surfaces_) s.samples.mark();
+}
+
+void PixelSights::mark_rays() {
+  for (SeenSurface& s : surfaces_) s.rays.mark();
+}
+
+double PixelSights::close_rays(double display_scale, double dimensions) {
+  closed_ = rays_;
+  const bool power_of_two = std::has_single_bit(rays_);
+  const int blocks = power_of_two ? 2 : 3;
+  Vec3d values[3];
+  double alphas[3];
+  for (int b = 0; b < blocks; ++b) {
+    values[b] = block_value(&SeenSurface::rays, b, power_of_two, double(rays_) / blocks);
+    alphas[b] = block_alpha(&SeenSurface::rays, b, power_of_two, double(rays_) / blocks);
+  }
+  if (power_of_two) mark_rays();
+  return variance_of_blocks({values, size_t(blocks)}, {alphas, size_t(blocks)}, display_scale, dimensions);
+}
+
+double variance_of_blocks(std::span<const Vec3d> values, std::span<const double> alphas, double display_scale,
+                          double dimensions) {
+  const double blocks = double(values.size());
+  Vec3d mean, squares;
+  double alpha = 0, alpha_squares = 0;
+  for (const Vec3d& value : values) mean += value / blocks;
+  for (const Vec3d& value : values) squares += (value - mean) * (value - mean);
+  for (double a : alphas) alpha += a / blocks;
+  for (double a : alphas) alpha_squares += (a - alpha) * (a - alpha);
+  return std::max(max_component(squares) * display_scale * display_scale, alpha_squares) *
+         share_of_blocks(int(values.size()), 1 + 1 / dimensions);
+}
+
+}  // namespace penumbra
