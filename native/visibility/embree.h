@@ -70,7 +70,7 @@ struct ShadowContext : RTCRayQueryContext {
 };
 
 inline void occluded16(const int* valid, RTCScene scene, RTCRay16& rays, const Geometry* geometry,
-                       float* transmittance, const uint8_t* channels) {
+                       float* transmittance, const uint8_t* channels, bool coherent) {
   ShadowContext context;
   rtcInitRayQueryContext(&context);
   context.geometry = geometry;
@@ -79,7 +79,7 @@ inline void occluded16(const int* valid, RTCScene scene, RTCRay16& rays, const G
   RTCOccludedArguments arguments;
   rtcInitOccludedArguments(&arguments);
   arguments.context = &context;
-  arguments.flags = RTC_RAY_QUERY_FLAG_INCOHERENT;
+  arguments.flags = coherent ? RTC_RAY_QUERY_FLAG_COHERENT : RTC_RAY_QUERY_FLAG_INCOHERENT;
   rtcOccluded16(valid, scene, &rays, &arguments);
 }
 
@@ -105,13 +105,13 @@ struct ShadowContext : RTCIntersectContext {
 };
 
 inline void occluded16(const int* valid, RTCScene scene, RTCRay16& rays, const Geometry* geometry,
-                       float* transmittance, const uint8_t* channels) {
+                       float* transmittance, const uint8_t* channels, bool coherent) {
   ShadowContext context;
   rtcInitIntersectContext(&context);
   context.geometry = geometry;
   context.transmittance = transmittance;
   context.channels = channels;
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+  context.flags = coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
   rtcOccluded16(valid, scene, &context, &rays);
 }
 

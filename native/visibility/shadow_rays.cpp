@@ -164,7 +164,7 @@ uint32_t ShadowRays::hide(uint32_t count, const float* x, const float* y, const 
     sum += uint32_t(rays_of_packet[p]);
     if (geometry_.has_transparency()) prepare(rays[p], transmittance);
     embree::occluded16(traced + p * kPacket, geometry_.embree_scene(), rays[p], &geometry_, transmittance,
-                       channels);
+                       channels, geometry_.has_coherent_shadows());
     if (geometry_.has_transparency())
       for (uint32_t i = 0; i < kPacket; ++i) contribution[p * kPacket + i] *= transmittance[i];
   }
@@ -191,7 +191,7 @@ void ShadowQueue::flush() {
   if (!count_) return;
   alignas(64) float transmittance[kPacket];
   prepare(packet_, transmittance);
-  embree::occluded16(valid_, geometry_.embree_scene(), packet_, &geometry_, transmittance, channels_);
+  embree::occluded16(valid_, geometry_.embree_scene(), packet_, &geometry_, transmittance, channels_, false);
   for (uint32_t i = 0; i < count_; ++i) {
     *results_[i] = packet_.tfar[i] >= 0 && (transmittance[i] == 1 || draw(packet_, i) < transmittance[i]);
     valid_[i] = 0;
@@ -240,7 +240,7 @@ uint32_t hide_from_each(const Geometry& geometry, const SurfaceColumns& surfaces
     if (count == 0) continue;
     traced += count;
     if (geometry.has_transparency()) prepare(packet, transmittance);
-    embree::occluded16(valid, geometry.embree_scene(), packet, &geometry, transmittance, channels);
+    embree::occluded16(valid, geometry.embree_scene(), packet, &geometry, transmittance, channels, false);
     for (uint32_t k = 0; k < points; ++k) {
       for (uint32_t i = begin; i < end; ++i) {
         const uint32_t lane = k * kShare + i - begin;
