@@ -30,8 +30,10 @@ void EdgeLight::start(std::span<const uint32_t> quad, int margin) {
   for (uint32_t p : quad) {
     if (!frame_.edge[p] || !block_.in_core(p, margin)) continue;
     mark_unseen(p);
+    const bool is_new = !pixels_[p].sights;
+    if (is_new) begin_sights(p);
     const bool split = split_slots(p);
-    if (pixels_[p].sights && !split) continue;
+    if (!is_new && !split) continue;
     some[count++] = p;
     if (split) anew[anews++] = p;
   }
@@ -48,8 +50,10 @@ void EdgeLight::mark_unseen(uint32_t p) {
 /// samples they have.
 void EdgeLight::first_level(std::span<const uint32_t> pixels, std::span<const uint32_t> anew) {
   constexpr uint32_t kHalf = kPacket / 2;
-  for (uint32_t p : anew) samples_.forget(p);
-  for (uint32_t p : pixels) begin_sights(p);
+  for (uint32_t p : anew) {
+    samples_.forget(p);
+    begin_sights(p);
+  }
   samples_.trace_each(anew, 0, kFirstSamples);
   for (uint32_t p : pixels) {
     pixels_[p].remember_power(slots(p));
@@ -62,11 +66,18 @@ void EdgeLight::first_level(std::span<const uint32_t> pixels, std::span<const ui
 }
 
 /// Where 16 samples of one point each would leave too much noise, samples take more of them: cheaper than
-/// more samples. Returns whether the pixel has slots where that is new.
+/// more samples, but where many surfaces are seen, as in foliage: there the noise is of places in the pixel.
+/// Returns whether the pixel has slots where that is new.
 bool EdgeLight::split_slots(uint32_t p) {
+  FilteredPixel& pixel = pixels_[p];
+  pixel.shows_many = pixel.shows_many || pixel.sights->shows_many();
+  if (pixel.shows_many) {
+    for (Slot& slot : slots(p)) slot.split = false;
+    return false;
+  }
   double squares = 0;
   const auto size = [&](const Slot& slot) {
-    return max_abs(slot.now.unshadowed) / pixels_[p].count * model_.display_scale;
+    return max_abs(slot.now.unshadowed) / pixel.count * model_.display_scale;
   };
   for (const Slot& slot : slots(p))
     if (slot.uncertain) squares += size(slot) * size(slot);

@@ -76,6 +76,7 @@ struct FilteredPixel {
 
   uint32_t count = 0, closed = 0;  // samples; those of the last level
   bool at_limit = false;
+  bool shows_many = false;              // surfaces, now or before
   Vec3d background, background_fitted;  // sum; at the centre
   double alpha = 0;                     // sum
   PartVariance shares, light_variance;  // of the surfaces in it; of the light on them

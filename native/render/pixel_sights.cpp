@@ -28,6 +28,10 @@ uint32_t PixelSights::surface_of(const Geometry& geometry, const Primitive& met,
   return uint32_t(surfaces_.size()) - 1;
 }
 
+bool PixelSights::shows_many() const {
+  return surfaces_.size() == std::min<size_t>(rays_, kMostSurfaces) && 4 * surfaces_.back().rays.now >= rays_;
+}
+
 void PixelSights::count_ray(uint32_t surface, uint32_t index) {
   if (index < rays_) return;
   ++surfaces_[surface].rays.now;

@@ -51,6 +51,8 @@ class PixelSights {
   /// Number of the surface of what a ray meets first. The last one stands for all that come after it: rays
   /// must come in their order.
   uint32_t surface_of(const Geometry& geometry, const Primitive& met, uint32_t index);
+  /// Each ray met another, or a quarter of them more surfaces than are told apart.
+  bool shows_many() const;
   SeenSurface& operator[](uint32_t surface) { return surfaces_[surface]; }
   const std::vector<SeenSurface>& surfaces() const { return surfaces_; }
 
