@@ -52,8 +52,11 @@ class Geometry {
   bool has_shared_meshes() const { return has_shared_meshes_; }
   /// Whether packets of shadow rays from one point are traced by coherent traversal. It is half as fast again
   /// among a million leaves, a tenth among four objects of 12,000 triangles, a fifth slower over two
-  /// triangles (tests/benchmarks).
-  bool has_coherent_shadows() const { return !has_shared_meshes_ && triangle_count_ >= 10'000; }
+  /// triangles (tests/benchmarks). It may ask more than once of the same transparent surface, whose colour
+  /// would then count twice (tests/python/test_coherent_shadows.py).
+  bool has_coherent_shadows() const {
+    return !has_shared_meshes_ && !has_transparency() && triangle_count_ >= 10'000;
+  }
   bool has_transparency() const { return opacity_ != nullptr; }
   /// Something is elsewhere at another time.
   bool moves() const { return moves_; }
