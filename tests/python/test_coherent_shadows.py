@@ -11,7 +11,7 @@ import penumbra_native as pn
 import pytest
 from oracles import occluded, triangles_of
 from promise_scenes import Stage, leaves
-from scenes import add, floor, light_above, look_down, parallelogram, render, translation
+from scenes import add, floor, look_down, parallelogram, render, translation
 from test_tinted_shadows import AMBER, glass
 
 FEWER, MORE = 60, 80
