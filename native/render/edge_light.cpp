@@ -137,7 +137,7 @@ bool EdgeLight::advance(uint32_t p, const PixelVariance& variance) {
 }
 
 void EdgeLight::refine(std::span<const uint32_t> edges) {
-  TileError errors(pixels_, frame_, edges);
+  TileError errors(pixels_, frame_, edges, tolerance_);
   std::vector<uint32_t> open(edges.begin(), edges.end());
   std::vector<std::pair<uint32_t, PixelVariance>> again;
   while (!open.empty()) {

@@ -13,17 +13,23 @@ namespace {
 constexpr int kPool = 2;
 constexpr double kTileWeight = 4;
 
+/// Share of the tolerance below which a sample's deviation does not matter. Guarded by
+/// test_pixels_without_light_do_not_make_the_others_dear.
+constexpr double kNegligible = 0.1;
+
 }  // namespace
 
 TileError::TileError(const std::vector<FilteredPixel>& pixels, const FilteredFrame& frame,
-                     std::span<const uint32_t> edges)
-    : pixels_(pixels), frame_(frame), edges_(edges) {}
+                     std::span<const uint32_t> edges, double tolerance)
+    : pixels_(pixels), frame_(frame), edges_(edges), tolerance_(tolerance) {}
 
 void TileError::learn() {
   constexpr double kExpected = kPixelCalibration.smoothed * kPixelCalibration.smoothed;
   PooledVariance shares(kExpected, kTileWeight), light(kExpected, kTileWeight);
-  const auto add = [](PooledVariance& pooled, const PartVariance& part) {
-    if (part.expected > 0) pooled.add(part.by_blocks / part.expected);
+  // Of pixels with next to no light a share of what they expect means nothing.
+  const double negligible = kNegligible * kNegligible * tolerance_ * tolerance_;
+  const auto add = [negligible](PooledVariance& pooled, const PartVariance& part) {
+    if (part.expected > negligible) pooled.add(part.by_blocks / part.expected);
   };
   for (uint32_t p : edges_) {
     add(shares, pixels_[p].shares);

@@ -16,7 +16,7 @@ class TileError {
  public:
   /// edges: the tile's pixels that get samples all over the filter.
   TileError(const std::vector<FilteredPixel>& pixels, const FilteredFrame& frame,
-            std::span<const uint32_t> edges);
+            std::span<const uint32_t> edges, double tolerance);
 
   /// How edges converge here is learned from the blocks of all pixels, beginning with the calibration's
   /// constant. After each change of the pixels.
@@ -28,6 +28,7 @@ class TileError {
   const std::vector<FilteredPixel>& pixels_;
   const FilteredFrame& frame_;
   std::span<const uint32_t> edges_;
+  double tolerance_;
   PixelVariance smoothed_ = {};  // as shares of what is expected
 };
 

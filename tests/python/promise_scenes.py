@@ -118,6 +118,23 @@ def ball(stage):
     stage.bulb(2.0, -2.0, 4.0, 0.5)
 
 
+def balls(stage):
+    """Of many sizes, under lamps turned away from them: much gets next to no light of one or the other."""
+    rng = np.random.default_rng(8)
+    for _ in range(40):
+        radius = 10 ** rng.uniform(-1.7, -0.1)
+        stage.add(sphere([0, 0, 0], radius, 24), translation(*rng.uniform(-2.5, 2.5, 2), radius * rng.uniform(0.9, 3)))
+    for x, y, z, size, white in ((-2.0, 1.2, 2.7, 0.19, 0.4), (0.9, -0.2, 5.3, 2.3, 0.4), (-1.4, 0.9, 5.0, 0.18, 0.4)):
+        place = translation(x, y, z) @ rotation([-y, x, 0.01], -30)
+        radiance = white / ALBEDO * np.pi * z * z / size**2
+        stage.scene.add_area_light("lamp", "ELLIPSE", place, (size, 0.7 * size), (radiance,) * 3, stage.shadows)
+    eye, back = np.array([-0.38, -7.0, 3.9]), np.array([-0.38, -7.0, 3.5])
+    back /= np.linalg.norm(back)
+    right = np.cross([0, 0, 1], back) / np.linalg.norm(np.cross([0, 0, 1], back))
+    stage.camera[:3] = np.stack([right, np.cross(back, right), back, eye], axis=1)
+    stage.scene.set_camera("PERSPECTIVE", stage.camera, (-0.4, 0.4, -0.3, 0.3), (0.01, 1000.0))
+
+
 def spots(stage):
     solid_shapes(stage)
     stage.add(leaves(200, 0.2, seed=75))

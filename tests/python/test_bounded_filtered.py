@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from promise_scenes import (
     ball,
+    balls,
     blinds,
     ellipse_and_square,
     foliage,
@@ -57,7 +58,8 @@ def filtered(scene, **settings):
 @pytest.mark.slow
 @pytest.mark.parametrize("tolerance", [0.02, 0.004])
 @pytest.mark.parametrize(
-    "scene", [open_floor, solid_objects, slanted_fence, wires, blinds, ellipse_and_square, ball, sunny, lamps_seen]
+    "scene",
+    [open_floor, solid_objects, slanted_fence, wires, blinds, ellipse_and_square, ball, balls, sunny, lamps_seen],
 )
 def test_coverage(scene, tolerance):
     picture, true = filtered(scene, error_tolerance=tolerance), reference(scene)
@@ -98,6 +100,13 @@ def test_flat_parts_are_cheap():
     """Nothing to find on an open floor: the first look's rays, but for the horizon."""
     picture = filtered(open_floor)
     assert np.median(picture["Light Samples"]) <= 4
+
+
+def test_pixels_without_light_do_not_make_the_others_dear():
+    """How edges converge is learned from all of a tile's pixels, as shares of what each expects; of pixels that expect
+    next to nothing such a share means nothing. Where it counted, these balls took 840 rays a pixel; 472 were seen."""
+    counts = render(make(balls), 64, 48, stop_rule="BOUNDED", pixel_samples=2, error_tolerance=0.006).statistics
+    assert counts["primary_rays"] + counts["shadow_rays"] < 600 * 64 * 48
 
 
 def test_same_picture_for_any_threads_and_borders():
