@@ -30,7 +30,7 @@ void EdgeLight::start(std::span<const uint32_t> quad, int margin) {
   for (uint32_t p : quad) {
     if (!frame_.edge[p] || !block_.in_core(p, margin)) continue;
     mark_unseen(p);
-    const bool is_new = !pixels_[p].sights;
+    const bool is_new = !pixels_[p].edge;
     if (is_new) begin_sights(p);
     const bool split = split_slots(p);
     if (!is_new && !split) continue;
@@ -56,11 +56,11 @@ void EdgeLight::first_level(std::span<const uint32_t> pixels, std::span<const ui
   }
   samples_.trace_each(anew, 0, kFirstSamples);
   for (uint32_t p : pixels) {
-    pixels_[p].remember_power(slots(p));
-    pixels_[p].sights->mark_samples();
+    pixels_[p].edge->remember_power(pixels_[p], slots(p));
+    pixels_[p].edge->sights.mark_samples();
   }
   samples_.trace_each(pixels, kFirstSamples, kHalf - kFirstSamples);
-  for (uint32_t p : pixels) pixels_[p].sights->mark_rays();
+  for (uint32_t p : pixels) pixels_[p].edge->sights.mark_rays();
   samples_.look_each(pixels, kHalf, kHalf);
   for (uint32_t p : pixels) close_level(p);
 }
@@ -70,8 +70,9 @@ void EdgeLight::first_level(std::span<const uint32_t> pixels, std::span<const ui
 /// Returns whether the pixel has slots where that is new.
 bool EdgeLight::split_slots(uint32_t p) {
   FilteredPixel& pixel = pixels_[p];
-  pixel.shows_many = pixel.shows_many || pixel.sights->shows_many();
-  if (pixel.shows_many) {
+  EdgeState& edge = *pixel.edge;
+  edge.shows_many = edge.shows_many || edge.sights.shows_many();
+  if (edge.shows_many) {
     for (Slot& slot : slots(p)) slot.split = false;
     return false;
   }
@@ -98,18 +99,19 @@ bool EdgeLight::split_slots(uint32_t p) {
 /// Which surfaces the samples met that the pixel has from the first look.
 void EdgeLight::begin_sights(uint32_t p) {
   FilteredPixel& pixel = pixels_[p];
-  pixel.sights = std::make_unique<PixelSights>();
+  pixel.edge = std::make_unique<EdgeState>();
+  PixelSights& sights = pixel.edge->sights;
   for (uint32_t i = 0; i < pixel.count; ++i) {
-    const uint32_t k = pixel.sights->surface_of(c_.geometry, pixel.met[i], i);
-    pixel.sights->count_ray(k, i);
-    ++(*pixel.sights)[k].samples.now;
+    const uint32_t k = sights.surface_of(c_.geometry, pixel.met[i], i);
+    sights.count_ray(k, i);
+    ++sights[k].samples.now;
   }
 }
 
 /// The pixel's samples, or its rays, or both, are a level.
 void EdgeLight::close_level(uint32_t p) {
   samples_.probe_surfaces(p);
-  pixels_[p].close_level(slots(p), model_);
+  pixels_[p].edge->close_level(pixels_[p], slots(p), model_);
 }
 
 /// One level more for a pixel: of samples, or of camera rays alone, whichever takes more from its variance
@@ -120,7 +122,7 @@ bool EdgeLight::advance(uint32_t p, const PixelVariance& variance) {
     first_level({&p, 1}, {&p, 1});
     return true;
   }
-  const uint32_t rays = pixel.sights->rays(), most = c_.settings.max_pixel_samples;
+  const uint32_t rays = pixel.edge->sights.rays(), most = c_.settings.max_pixel_samples;
   const double price = kPriceOfSample + kPriceOfRay * double(pixel.light_points) / pixel.count;
   const bool wants_rays = variance.shares * price * pixel.count > variance.light * rays;
   if (wants_rays && next_level(rays) <= most) {

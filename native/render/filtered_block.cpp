@@ -162,7 +162,7 @@ void FilteredBlock::flood() {
   for (uint32_t s = 0; s < frame_.slot_count; ++s) {
     for (uint32_t p = 0; p < block_.pixels(); ++p)
       flags[p] = frame_.uncertain[p] &&
-                 ((pixels_[p].sights && slots(p)[s].lit && slots(p)[s].dark) || centres_.mixed(p, s));
+                 ((pixels_[p].edge && slots(p)[s].lit && slots(p)[s].dark) || centres_.mixed(p, s));
     spread(flags, block_.width, block_.height, kFloodReach);
     for (uint32_t p = 0; p < block_.pixels(); ++p)
       if (flags[p]) mark_uncertain(p, s);

@@ -95,9 +95,9 @@ std::vector<Vec3d> FilteredParts::parts_of(uint32_t p, const FilteredPixel& pixe
   }
   if (frame_.uncertain[p] && !edge) centres.add_parts(p, parts);
   if (edge)
-    for (const SeenSurface& surface : pixel.sights->surfaces())
+    for (const SeenSurface& surface : pixel.edge->sights.surfaces())
       for (uint32_t k = 0; k < surface.parts.size(); ++k)
-        parts[k] += surface.parts[k] * (pixel.sights->weight(surface, pixel.count) / surface.valued);
+        parts[k] += surface.parts[k] * (pixel.edge->sights.weight(surface, pixel.count) / surface.valued);
   return parts;
 }
 

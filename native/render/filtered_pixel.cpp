@@ -11,10 +11,6 @@ namespace {
 constexpr float kEdgeCosine = 0.95f;
 constexpr double kEdgeSlope = 0.2;
 
-/// What may hide in a pixel where all samples agree with all neighbours, as a share of the light there:
-/// shadows so thin that none met them.
-constexpr double kUnseenShadow = 0.25;
-
 }  // namespace
 
 bool edge_between(const FirstSight& a, const FirstSight& b) {
@@ -51,12 +47,12 @@ PlaneFit::PlaneFit(const double* px, const double* py) {
 Vec3d FilteredPixel::estimate(std::span<const Slot> slots) const {
   Vec3d sum = background / count;
   for (const Slot& slot : slots) sum += slot.radiance(slot.now, count);
-  return sights ? sum + sights->correction(count) : sum;
+  return edge ? sum + edge->sights.correction(count) : sum;
 }
 
 double FilteredPixel::opacity() const {
   const double mean = alpha / count;
-  return sights ? std::clamp(mean + sights->alpha_correction(count), 0.0, 1.0) : mean;
+  return edge ? std::clamp(mean + edge->sights.alpha_correction(count), 0.0, 1.0) : mean;
 }
 
 Vec3d FilteredPixel::unshadowed(std::span<const Slot> slots) const {
@@ -86,114 +82,6 @@ void tell(PixelTrace& trace, const FilteredPixel& pixel, std::span<const Slot> s
     trace.decisions.push_back({s / lobes / luminaires, s / lobes % luminaires, decision, pixel.count,
                                slot.radiance(slot.now, pixel.count)});
   }
-}
-
-/// Of luminaires mostly below the horizon: only samples of what is above tell how much of it is seen.
-double FilteredPixel::blind_variance(std::span<const Slot> slots, const ErrorModel& model) const {
-  double sum = 0;
-  for (const Slot& slot : slots) {
-    if (!slot.uncertain || slot.rays == 0 || 2 * slot.rays >= count) continue;
-    const double size = max_abs(slot.now.unshadowed) / count * model.display_scale;
-    sum += size * size * 0.25 * std::pow(double(count) / slot.rays, 2 * model.light_exponent());
-  }
-  return sum;
-}
-
-/// Luminaires that no sample could look at, all of their light; and surfaces that few samples met.
-double FilteredPixel::unknown(std::span<const Slot> slots, double display_scale) const {
-  double sum = 0;
-  for (const Slot& slot : slots) {
-    if (!slot.uncertain || slot.rays > 0) continue;
-    const double size = max_abs(slot.now.unshadowed) / count * display_scale;
-    sum += size * size;
-  }
-  return sum + sights->mean_variance(count);
-}
-
-void FilteredPixel::remember_power(std::span<const Slot> slots) {
-  if (!history) history = std::make_unique<History>();
-  LevelSums& power = history->power;
-  power.background = background;
-  power.alpha = alpha;
-  power.slots.clear();
-  for (const Slot& slot : slots) power.slots.push_back(slot.now);
-}
-
-void FilteredPixel::close_level(std::span<const Slot> slots, const ErrorModel& model) {
-  if (sights->has_new_rays()) close_rays(slots, model);
-  if (count > closed) close_samples(slots, model);
-  unknown_variance = unknown(slots, model.display_scale);
-}
-
-void FilteredPixel::close_rays(std::span<const Slot> slots, const ErrorModel& model) {
-  const double n = sights->rays();
-  // As if one more ray had seen the opposite: rays that agree are no proof.
-  const double opposite = max_abs(unshadowed(slots)) * model.display_scale;
-  shares.fall = std::pow(n, -2 * model.share_exponent());
-  shares.expected = sights->spread_between(model.display_scale) + opposite * opposite / n;
-  shares.by_blocks =
-      sights->close_rays(model.display_scale, model.dimensions - kLightDimensions) / shares.fall;
-}
-
-void FilteredPixel::close_samples(std::span<const Slot> slots, const ErrorModel& model) {
-  closed = count;
-  const double n = count;
-  // As above, of rays to luminaires.
-  double opposite = 0;
-  for (const Slot& slot : slots)
-    opposite += max_abs(slot.now.unshadowed) / n * model.display_scale *
-                (slot.split       ? 1.0 / kPacket
-                 : slot.uncertain ? 1
-                                  : kUnseenShadow);
-  light_variance.fall = std::pow(n, -2 * model.light_exponent());
-  light_variance.expected =
-      std::max(sights->spread_within() + opposite * opposite / n, blind_variance(slots, model));
-  light_variance.by_blocks = variance_of_level(slots, model) / light_variance.fall;
-}
-
-double FilteredPixel::variance_of_level(std::span<const Slot> slots, const ErrorModel& model) {
-  const LevelSums &half = history->half, &power = history->power;
-  const bool power_of_two = (count & (count - 1)) == 0;
-  const int blocks = power_of_two ? 2 : 3;
-  const double size = double(count) / blocks;
-  Vec3d values[3];
-  double alphas[3];
-  if (power_of_two) {
-    alphas[0] = power.alpha;
-    alphas[1] = alpha - power.alpha;
-    values[0] = power.background / size;
-    values[1] = (background - power.background) / size;
-  } else {
-    alphas[0] = half.alpha;
-    alphas[1] = power.alpha - half.alpha;
-    alphas[2] = alpha - power.alpha;
-    values[0] = half.background / size;
-    values[1] = (power.background - half.background) / size;
-    values[2] = (background - power.background) / size;
-  }
-  for (size_t s = 0; s < slots.size(); ++s) {
-    const Slot& slot = slots[s];
-    if (power_of_two) {
-      values[0] += slot.radiance(power.slots[s], size);
-      values[1] += slot.radiance(slot.now - power.slots[s], size);
-    } else {
-      values[0] += slot.radiance(half.slots[s], size);
-      values[1] += slot.radiance(power.slots[s] - half.slots[s], size);
-      values[2] += slot.radiance(slot.now - power.slots[s], size);
-    }
-  }
-  for (int b = 0; b < blocks; ++b) {
-    values[b] = values[b] - sights->block_value(&SeenSurface::samples, b, power_of_two, size);
-    alphas[b] = alphas[b] / size - sights->block_alpha(&SeenSurface::samples, b, power_of_two, size);
-  }
-  if (power_of_two) {
-    std::swap(history->half, history->power);
-    remember_power(slots);
-  }
-  const double variance = variance_of_blocks({values, size_t(blocks)}, {alphas, size_t(blocks)},
-                                             model.display_scale, model.dimensions);
-  if (power_of_two) sights->mark_samples();
-  return variance;
 }
 
 }  // namespace penumbra

@@ -41,7 +41,7 @@ void FilteredSamples::look_each(std::span<const uint32_t> pixels, uint32_t first
     for (size_t i = 0; i < n; ++i) runs[i] = {pixels[begin + i], first, count};
     packet_.look({runs, n});
     for (uint32_t lane = 0; lane < n * count; ++lane) {
-      PixelSights& sights = *pixels_[runs[lane / count].pixel].sights;
+      PixelSights& sights = pixels_[runs[lane / count].pixel].edge->sights;
       const uint32_t index = first + lane % count;
       sights.count_ray(sights.surface_of(c_.geometry, packet_.hits[lane], index), index);
     }
@@ -49,7 +49,7 @@ void FilteredSamples::look_each(std::span<const uint32_t> pixels, uint32_t first
 }
 
 void FilteredSamples::probe_surfaces(uint32_t p) {
-  PixelSights& sights = *pixels_[p].sights;
+  PixelSights& sights = pixels_[p].edge->sights;
   for (uint32_t k = 0; k < sights.surfaces().size(); ++k) {
     if (sights[k].valued > 0) continue;
     const SampleRun run{p, sights[k].index, 1};
@@ -76,7 +76,7 @@ void FilteredSamples::add_light(std::span<const SampleRun> runs) {
   uint32_t lane = 0;
   for (const SampleRun& run : runs) {
     FilteredPixel& pixel = pixels_[run.pixel];
-    if (run.first == 0 && !pixel.sights) {
+    if (run.first == 0 && !pixel.edge) {
       pixel.first = packet_.ends[lane].first;
       std::copy_n(packet_.hits + lane, kFirstSamples, pixel.met);
       fit_plane(run, lane);
@@ -87,7 +87,7 @@ void FilteredSamples::add_light(std::span<const SampleRun> runs) {
       pixel.alpha += end.alpha;
       pixel.charged += packet_.charge[lane];
       pixel.light_points += packet_.rays_of[lane];
-      if (pixel.sights) add_sight(pixel, lane, run.first + i);
+      if (pixel.edge) add_sight(pixel, lane, run.first + i);
     }
     pixel.count = run.first + run.count;
   }
@@ -112,9 +112,10 @@ void FilteredSamples::add_to(Slot& slot, const SlotColumns& column, uint32_t lan
 
 /// A whole sample at an edge belongs to the surface that it meets.
 void FilteredSamples::add_sight(FilteredPixel& pixel, uint32_t lane, uint32_t index) const {
-  const uint32_t k = pixel.sights->surface_of(c_.geometry, packet_.hits[lane], index);
-  SeenSurface& surface = (*pixel.sights)[k];
-  pixel.sights->count_ray(k, index);
+  PixelSights& sights = pixel.edge->sights;
+  const uint32_t k = sights.surface_of(c_.geometry, packet_.hits[lane], index);
+  SeenSurface& surface = sights[k];
+  sights.count_ray(k, index);
   ++surface.samples.now;
   add_value(surface, lane);
 }

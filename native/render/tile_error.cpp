@@ -32,24 +32,23 @@ void TileError::learn() {
     if (part.expected > negligible) pooled.add(part.by_blocks / part.expected);
   };
   for (uint32_t p : edges_) {
-    add(shares, pixels_[p].shares);
-    add(light, pixels_[p].light_variance);
+    add(shares, pixels_[p].edge->shares);
+    add(light, pixels_[p].edge->light);
   }
   smoothed_ = {shares.mean(), light.mean()};
 }
 
 PixelVariance TileError::of(uint32_t p) const {
   const int width = int(frame_.block_width), x = int(p) % width, y = int(p) / width;
-  const FilteredPixel& pixel = pixels_[p];
-  PooledVariance shares(smoothed_.shares * pixel.shares.expected, kPixelCalibration.prior_weight),
-      light(smoothed_.light * pixel.light_variance.expected, kPixelCalibration.prior_weight);
+  const EdgeState& edge = *pixels_[p].edge;
+  PooledVariance shares(smoothed_.shares * edge.shares.expected, kPixelCalibration.prior_weight),
+      light(smoothed_.light * edge.light.expected, kPixelCalibration.prior_weight);
   for (uint32_t q : edges_) {
     if (std::abs(int(q) % width - x) > kPool || std::abs(int(q) / width - y) > kPool) continue;
-    shares.add(pixels_[q].shares.by_blocks);
-    light.add(pixels_[q].light_variance.by_blocks);
+    shares.add(pixels_[q].edge->shares.by_blocks);
+    light.add(pixels_[q].edge->light.by_blocks);
   }
-  return {shares.mean() * pixel.shares.fall,
-          light.mean() * pixel.light_variance.fall + pixel.unknown_variance};
+  return {shares.mean() * edge.shares.fall, light.mean() * edge.light.fall + edge.unknown};
 }
 
 }  // namespace penumbra

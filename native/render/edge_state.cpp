@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "render/edge_state.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "render/filtered_pixel.h"
+
+namespace penumbra {
+namespace {
+
+/// What may hide in a pixel where all samples agree with all neighbours, as a share of the light there:
+/// shadows so thin that none met them.
+constexpr double kUnseenShadow = 0.25;
+
+/// Of luminaires mostly below the horizon: only samples of what is above tell how much of it is seen.
+double blind_variance(uint32_t count, std::span<const Slot> slots, const ErrorModel& model) {
+  double sum = 0;
+  for (const Slot& slot : slots) {
+    if (!slot.uncertain || slot.rays == 0 || 2 * slot.rays >= count) continue;
+    const double size = max_abs(slot.now.unshadowed) / count * model.display_scale;
+    sum += size * size * 0.25 * std::pow(double(count) / slot.rays, 2 * model.light_exponent());
+  }
+  return sum;
+}
+
+/// Luminaires that no sample could look at: all of their light.
+double unknown_variance(uint32_t count, std::span<const Slot> slots, double display_scale) {
+  double sum = 0;
+  for (const Slot& slot : slots) {
+    if (!slot.uncertain || slot.rays > 0) continue;
+    const double size = max_abs(slot.now.unshadowed) / count * display_scale;
+    sum += size * size;
+  }
+  return sum;
+}
+
+}  // namespace
+
+void EdgeState::remember_power(const FilteredPixel& pixel, std::span<const Slot> slots) {
+  power.background = pixel.background;
+  power.alpha = pixel.alpha;
+  power.slots.clear();
+  for (const Slot& slot : slots) power.slots.push_back(slot.now);
+}
+
+void EdgeState::close_level(const FilteredPixel& pixel, std::span<const Slot> slots,
+                            const ErrorModel& model) {
+  if (sights.has_new_rays()) close_rays(pixel, slots, model);
+  if (pixel.count > closed) close_samples(pixel, slots, model);
+  unknown = unknown_variance(pixel.count, slots, model.display_scale) + sights.mean_variance(pixel.count);
+}
+
+void EdgeState::close_rays(const FilteredPixel& pixel, std::span<const Slot> slots, const ErrorModel& model) {
+  const double n = sights.rays();
+  // As if one more ray had seen the opposite: rays that agree are no proof.
+  const double opposite = max_abs(pixel.unshadowed(slots)) * model.display_scale;
+  shares.fall = std::pow(n, -2 * model.share_exponent());
+  shares.expected = sights.spread_between(model.display_scale) + opposite * opposite / n;
+  shares.by_blocks =
+      sights.close_rays(model.display_scale, model.dimensions - kLightDimensions) / shares.fall;
+}
+
+void EdgeState::close_samples(const FilteredPixel& pixel, std::span<const Slot> slots,
+                              const ErrorModel& model) {
+  closed = pixel.count;
+  const double n = pixel.count;
+  // As above, of rays to luminaires.
+  double opposite = 0;
+  for (const Slot& slot : slots)
+    opposite += max_abs(slot.now.unshadowed) / n * model.display_scale *
+                (slot.split       ? 1.0 / kPacket
+                 : slot.uncertain ? 1
+                                  : kUnseenShadow);
+  light.fall = std::pow(n, -2 * model.light_exponent());
+  light.expected =
+      std::max(sights.spread_within() + opposite * opposite / n, blind_variance(pixel.count, slots, model));
+  light.by_blocks = variance_of_level(pixel, slots, model) / light.fall;
+}
+
+double EdgeState::variance_of_level(const FilteredPixel& pixel, std::span<const Slot> slots,
+                                    const ErrorModel& model) {
+  const bool power_of_two = (pixel.count & (pixel.count - 1)) == 0;
+  const int blocks = power_of_two ? 2 : 3;
+  const double size = double(pixel.count) / blocks;
+  Vec3d values[3];
+  double alphas[3];
+  if (power_of_two) {
+    alphas[0] = power.alpha;
+    alphas[1] = pixel.alpha - power.alpha;
+    values[0] = power.background / size;
+    values[1] = (pixel.background - power.background) / size;
+  } else {
+    alphas[0] = half.alpha;
+    alphas[1] = power.alpha - half.alpha;
+    alphas[2] = pixel.alpha - power.alpha;
+    values[0] = half.background / size;
+    values[1] = (power.background - half.background) / size;
+    values[2] = (pixel.background - power.background) / size;
+  }
+  for (size_t s = 0; s < slots.size(); ++s) {
+    const Slot& slot = slots[s];
+    if (power_of_two) {
+      values[0] += slot.radiance(power.slots[s], size);
+      values[1] += slot.radiance(slot.now - power.slots[s], size);
+    } else {
+      values[0] += slot.radiance(half.slots[s], size);
+      values[1] += slot.radiance(power.slots[s] - half.slots[s], size);
+      values[2] += slot.radiance(slot.now - power.slots[s], size);
+    }
+  }
+  for (int b = 0; b < blocks; ++b) {
+    values[b] = values[b] - sights.block_value(&SeenSurface::samples, b, power_of_two, size);
+    alphas[b] = alphas[b] / size - sights.block_alpha(&SeenSurface::samples, b, power_of_two, size);
+  }
+  if (power_of_two) {
+    std::swap(half, power);
+    remember_power(pixel, slots);
+  }
+  const double variance = variance_of_blocks({values, size_t(blocks)}, {alphas, size_t(blocks)},
+                                             model.display_scale, model.dimensions);
+  if (power_of_two) sights.mark_samples();
+  return variance;
+}
+
+}  // namespace penumbra
