@@ -155,7 +155,7 @@ void FilteredBlock::mark_uncertain(uint32_t p, uint32_t s) {
   if (c_.luminaires[pair % c_.luminaires.size()].is_point()) frame_.edge[p] = 1;
 }
 
-/// Where the first 16 points or samples of an uncertain pixel find penumbra, its neighbours may have it too.
+/// Where the first points or samples of an uncertain pixel find penumbra, its neighbours may have it too.
 void FilteredBlock::flood() {
   for_quads([this](std::span<const uint32_t> quad) { start(quad, kFloodReach); });
   Reused<uint8_t> flags(c_.memory, block_.pixels());
@@ -171,7 +171,7 @@ void FilteredBlock::flood() {
 }
 
 /// A quad's uncertain pixels, of those so far from the core at most: rays from the centre where the surface
-/// is smooth, else 16 samples.
+/// is smooth, else samples.
 void FilteredBlock::start(std::span<const uint32_t> quad, int margin) {
   uint32_t smooth[4], count = 0;
   for (uint32_t p : quad)

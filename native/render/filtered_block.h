@@ -8,8 +8,8 @@
 namespace penumbra {
 
 /// Like render_block, but with as many primary rays in each pixel as its tolerance needs: four at first;
-/// where they, or their neighbours', tell of an edge or of penumbra, 16 and more, each with one ray to each
-/// luminaire that may be in penumbra there.
+/// where they, or their neighbours', tell of an edge or of penumbra, more, with rays to each luminaire that
+/// may be in penumbra there. Shadows on smooth surfaces: centre_light.h; edges: edge_light.h.
 void render_filtered_block(const RenderContext& context, const Rectangle& core, RenderTally& tally);
 
 }  // namespace penumbra
