@@ -11,6 +11,17 @@ namespace {
 /// rays.
 constexpr double kResidualShare = 0.7;
 
+/// Calls function with samples [first, first + count) of as many of the pixels as fit a packet, and so on.
+template <typename Function>
+void for_packets(std::span<const uint32_t> pixels, uint32_t first, uint32_t count, Function function) {
+  SampleRun runs[kPacket];
+  for (size_t begin = 0; begin < pixels.size(); begin += kPacket / count) {
+    const size_t n = std::min<size_t>(kPacket / count, pixels.size() - begin);
+    for (size_t i = 0; i < n; ++i) runs[i] = {pixels[begin + i], first, count};
+    function(std::span<const SampleRun>(runs, n));
+  }
+}
+
 }  // namespace
 
 FilteredSamples::FilteredSamples(const RenderContext& context, FilteredFrame& frame,
@@ -25,27 +36,24 @@ FilteredSamples::FilteredSamples(const RenderContext& context, FilteredFrame& fr
 }
 
 void FilteredSamples::trace_each(std::span<const uint32_t> pixels, uint32_t first, uint32_t count) {
-  SampleRun runs[kPacket];
-  for (size_t begin = 0; begin < pixels.size(); begin += kPacket / count) {
-    const size_t n = std::min<size_t>(kPacket / count, pixels.size() - begin);
-    for (size_t i = 0; i < n; ++i) runs[i] = {pixels[begin + i], first, count};
-    packet_.trace({runs, n});
-    add_light({runs, n});
-  }
+  for_packets(pixels, first, count, [this](std::span<const SampleRun> runs) {
+    packet_.trace(runs);
+    add_light(runs);
+  });
 }
 
 void FilteredSamples::look_each(std::span<const uint32_t> pixels, uint32_t first, uint32_t count) {
-  SampleRun runs[kPacket];
-  for (size_t begin = 0; begin < pixels.size(); begin += kPacket / count) {
-    const size_t n = std::min<size_t>(kPacket / count, pixels.size() - begin);
-    for (size_t i = 0; i < n; ++i) runs[i] = {pixels[begin + i], first, count};
-    packet_.look({runs, n});
-    for (uint32_t lane = 0; lane < n * count; ++lane) {
-      PixelSights& sights = pixels_[runs[lane / count].pixel].edge->sights;
-      const uint32_t index = first + lane % count;
-      sights.count_ray(sights.surface_of(c_.geometry, packet_.hits[lane], index), index);
+  for_packets(pixels, first, count, [this](std::span<const SampleRun> runs) {
+    packet_.look(runs);
+    uint32_t lane = 0;
+    for (const SampleRun& run : runs) {
+      PixelSights& sights = pixels_[run.pixel].edge->sights;
+      for (uint32_t i = 0; i < run.count; ++i, ++lane) {
+        const uint32_t index = run.first + i;
+        sights.count_ray(sights.surface_of(c_.geometry, packet_.hits[lane], index), index);
+      }
     }
-  }
+  });
 }
 
 void FilteredSamples::probe_surfaces(uint32_t p) {
