@@ -110,8 +110,9 @@ double EdgeState::variance_of_level(const FilteredPixel& pixel, std::span<const 
     }
   }
   for (int b = 0; b < blocks; ++b) {
-    values[b] = values[b] - sights.block_value(&SeenSurface::samples, b, power_of_two, size);
-    alphas[b] = alphas[b] / size - sights.block_alpha(&SeenSurface::samples, b, power_of_two, size);
+    const Appearance expected = sights.block(&SeenSurface::samples, b, power_of_two, size);
+    values[b] = values[b] - expected.value;
+    alphas[b] = alphas[b] / size - expected.alpha;
   }
   if (power_of_two) {
     std::swap(half, power);

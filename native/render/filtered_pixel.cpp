@@ -47,12 +47,12 @@ PlaneFit::PlaneFit(const double* px, const double* py) {
 Vec3d FilteredPixel::estimate(std::span<const Slot> slots) const {
   Vec3d sum = background / count;
   for (const Slot& slot : slots) sum += slot.radiance(slot.now, count);
-  return edge ? sum + edge->sights.correction(count) : sum;
+  return edge ? sum + edge->sights.correction(count).value : sum;
 }
 
 double FilteredPixel::opacity() const {
   const double mean = alpha / count;
-  return edge ? std::clamp(mean + edge->sights.alpha_correction(count), 0.0, 1.0) : mean;
+  return edge ? std::clamp(mean + edge->sights.correction(count).alpha, 0.0, 1.0) : mean;
 }
 
 Vec3d FilteredPixel::unshadowed(std::span<const Slot> slots) const {

@@ -38,44 +38,27 @@ void PixelSights::count_ray(uint32_t surface, uint32_t index) {
   rays_ = index + 1;
 }
 
-Vec3d PixelSights::correction(uint32_t samples) const {
-  Vec3d sum;
-  for (const SeenSurface& s : surfaces_) sum += s.mean() * weight(s, samples);
+Appearance PixelSights::correction(uint32_t samples) const {
+  Appearance sum;
+  for (const SeenSurface& s : surfaces_) sum.add(s.mean(), weight(s, samples));
   return sum;
 }
 
-double PixelSights::alpha_correction(uint32_t samples) const {
-  double sum = 0;
-  for (const SeenSurface& s : surfaces_) sum += s.mean_alpha() * weight(s, samples);
-  return sum;
-}
-
-Vec3d PixelSights::block_value(LevelCounts SeenSurface::*counts, int block, bool power_of_two,
-                               double size) const {
-  Vec3d sum;
-  for (const SeenSurface& s : surfaces_) sum += s.mean() * ((s.*counts).in_block(block, power_of_two) / size);
-  return sum;
-}
-
-double PixelSights::block_alpha(LevelCounts SeenSurface::*counts, int block, bool power_of_two,
-                                double size) const {
-  double sum = 0;
-  for (const SeenSurface& s : surfaces_)
-    sum += s.mean_alpha() * (s.*counts).in_block(block, power_of_two) / size;
+Appearance PixelSights::block(LevelCounts SeenSurface::*counts, int block, bool power_of_two,
+                              double size) const {
+  Appearance sum;
+  for (const SeenSurface& s : surfaces_) sum.add(s.mean(), (s.*counts).in_block(block, power_of_two) / size);
   return sum;
 }
 
 double PixelSights::spread_between(double display_scale) const {
-  Vec3d mean;
-  double alpha = 0;
-  for (const SeenSurface& s : surfaces_) {
-    mean += s.mean() * (double(s.rays.now) / rays_);
-    alpha += s.mean_alpha() * s.rays.now / rays_;
-  }
+  Appearance mean;
+  for (const SeenSurface& s : surfaces_) mean.add(s.mean(), double(s.rays.now) / rays_);
   double sum = 0;
   for (const SeenSurface& s : surfaces_) {
+    const Appearance own = s.mean();
     const double difference =
-        std::max(max_abs(s.mean() - mean) * display_scale, std::abs(s.mean_alpha() - alpha));
+        std::max(max_abs(own.value - mean.value) * display_scale, std::abs(own.alpha - mean.alpha));
     sum += difference * difference * s.rays.now / rays_;
   }
   return sum;
@@ -116,8 +99,9 @@ double PixelSights::close_rays(double display_scale, double dimensions) {
   Vec3d values[3];
   double alphas[3];
   for (int b = 0; b < blocks; ++b) {
-    values[b] = block_value(&SeenSurface::rays, b, power_of_two, double(rays_) / blocks);
-    alphas[b] = block_alpha(&SeenSurface::rays, b, power_of_two, double(rays_) / blocks);
+    const Appearance seen = block(&SeenSurface::rays, b, power_of_two, double(rays_) / blocks);
+    values[b] = seen.value;
+    alphas[b] = seen.alpha;
   }
   if (power_of_two) mark_rays();
   return variance_of_blocks({values, size_t(blocks)}, {alphas, size_t(blocks)}, display_scale, dimensions);

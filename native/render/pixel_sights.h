@@ -28,6 +28,17 @@ struct LevelCounts {
   }
 };
 
+/// Light and opacity, of one sample or a mean of many.
+struct Appearance {
+  Vec3d value;
+  double alpha = 0;
+
+  void add(const Appearance& s, double weight) {
+    value += s.value * weight;
+    alpha += s.alpha * weight;
+  }
+};
+
 /// A surface, and what is known of its part of the pixel.
 struct SeenSurface {
   Facet facet;                // where it was met first
@@ -38,8 +49,7 @@ struct SeenSurface {
   double alpha = 0, x = 0, xx = 0;  // x: values in display units; xx: their squares
   std::vector<Vec3d> parts;         // where passes want them
 
-  Vec3d mean() const { return value / valued; }
-  double mean_alpha() const { return alpha / valued; }
+  Appearance mean() const { return {value / valued, alpha / valued}; }
   /// Mean squared difference from the mean, display units.
   double spread() const { return std::max(xx - x * x / valued, 0.0) / valued; }
 };
@@ -65,12 +75,10 @@ class PixelSights {
   double weight(const SeenSurface& s, uint32_t samples) const {
     return double(s.rays.now) / rays_ - double(s.samples.now) / samples;
   }
-  Vec3d correction(uint32_t samples) const;
-  double alpha_correction(uint32_t samples) const;
+  Appearance correction(uint32_t samples) const;
 
-  /// What a block of samples would see if each surface showed its mean value; alpha.
-  Vec3d block_value(LevelCounts SeenSurface::*counts, int block, bool power_of_two, double size) const;
-  double block_alpha(LevelCounts SeenSurface::*counts, int block, bool power_of_two, double size) const;
+  /// What a block of samples would see if each surface showed its mean.
+  Appearance block(LevelCounts SeenSurface::*counts, int block, bool power_of_two, double size) const;
 
   /// Mean squares in display units: of the surfaces' difference from the pixel's mean, and of values' from
   /// their surface's.

@@ -96,8 +96,8 @@ struct EdgePixel {
 TEST(PixelSights, RaysCorrectTheShares) {
   // Of 8 samples half see white, of 16 rays three quarters.
   const EdgePixel pixel(8, 16, [](uint32_t i) { return i >= 8 || i % 2 == 0; });
-  EXPECT_DOUBLE_EQ(pixel.mean + pixel.sights.correction(8).x, 0.75);
-  EXPECT_DOUBLE_EQ(pixel.sights.alpha_correction(8), 0) << "both are opaque";
+  EXPECT_DOUBLE_EQ(pixel.mean + pixel.sights.correction(8).value.x, 0.75);
+  EXPECT_DOUBLE_EQ(pixel.sights.correction(8).alpha, 0) << "both are opaque";
   EXPECT_DOUBLE_EQ(pixel.sights.spread_within(), 0);
   EXPECT_DOUBLE_EQ(pixel.sights.spread_between(1), 0.75 * 0.25);
   EXPECT_DOUBLE_EQ(pixel.sights.mean_variance(8), 0);
