@@ -8,7 +8,7 @@
 #include <deque>
 
 #include "lighting/bounded_refine.h"
-#include "lighting/light_cut.h"
+#include "lighting/first_look.h"
 #include "lighting/light_parts.h"
 #include "lighting/pooled_error.h"
 #include "lighting/spread.h"
@@ -20,10 +20,6 @@ namespace {
 constexpr int kGateReach = 3, kFloodReach = 2;
 /// Even: whole quads, whose first looks share packets.
 constexpr uint32_t kHalo = (kGateReach + kFloodReach + 1) / 2 * 2;
-
-/// Surface points that are looked at together: as many as stay in the first cache; where luminaires are
-/// groups with much memory of their own, so many that it is not fetched too often.
-constexpr uint32_t kLookedAt = kBatch, kLookedAtByGroups = 16 * kBatch;
 
 /// Share of a pixel's tolerance that dim luminaires may be charged for being dropped.
 constexpr double kDropShare = 0.25;
@@ -65,18 +61,15 @@ class BlockLight final : public BlockLighting {
         tally_(block.tally),
         parts_(block.parts),
         memory_(block.memory),
-        batch_(luminaires_.size() > kFewLuminaires ? kLookedAtByGroups : kLookedAt),
         item_sampler_(geometry, luminaires_, sampler, points_, settings),
+        first_look_(item_sampler_, block_, luminaires_, points_, settings_, kDropShare, memory_),
         refined_(memory_),
-        dropped_(memory_),
         certain_error_(memory_, block_.pixels(), 0.0) {}
 
-  void look() override {
-    while (points_.size() - looked_at_ >= batch_) look_at_quads();
-  }
+  void look() override { look(false); }
 
   void finish() override {
-    while (looked_at_ < points_.size()) look_at_quads();
+    look(true);
     add_dropped_items();
     for (Slot& slot : slots_) gate(slot);
     for (Slot& slot : slots_) flood(slot);
@@ -98,10 +91,7 @@ class BlockLight final : public BlockLighting {
   }
 
   LightDecision decision(const BlockItem& item) const;
-  void look_at_quads();
-  uint32_t find_quads(uint32_t begin);
-  void find_items(uint32_t begin, uint32_t end);
-  void drop_dim_items(uint32_t begin);
+  void look(bool all_found);
   void add_dropped_items();
   void make_uncertain(BlockItem& item);
   void gate(Slot& slot);
@@ -118,17 +108,10 @@ class BlockLight final : public BlockLighting {
   LightTally& tally_;
   LightParts* parts_;
   BlockMemory& memory_;
-  uint32_t batch_;
   ItemSampler item_sampler_;
-  uint32_t looked_at_ = 0;  // points
-  // Of some quads that the first look is at: each point's quad, and the number of its pixel among theirs;
-  // the items, one luminaire after the other.
-  std::vector<uint32_t> quad_, place_;
-  std::vector<LookedItem> items_;
-  std::vector<std::vector<uint32_t>> of_pixel_;
+  FirstLook first_look_;
   std::deque<Slot> slots_;
   Reused<BoundedItem> refined_;
-  Reused<LookedItem> dropped_;    // too dim for a ray
   Reused<double> certain_error_;  // of each pixel's certain items, display units
 };
 
@@ -142,100 +125,28 @@ LightDecision BlockLight::decision(const BlockItem& item) const {
                         : LightDecision{bounce, item.luminaire, "wholly hidden", kFirstLook, {}};
 }
 
-/// Whole quads of 2 x 2 pixels, which share packets, of about batch_ points from `begin` on. A block's first
-/// row and column are even in the frame, so that its quads are the frame's. Returns where they end.
-uint32_t BlockLight::find_quads(uint32_t begin) {
-  quad_.clear();
-  place_.clear();
-  uint32_t end = begin, whole = begin;
-  for (; end < points_.size(); ++end) {
-    const uint32_t p = points_[end].pixel, quad = p / block_.width / 2 * block_.width + p % block_.width / 2;
-    if (end > begin && quad != quad_.back()) whole = end;
-    if (end - begin >= batch_ && whole > begin) return whole;
-    place_.push_back(end == begin ? 0 : place_.back() + (p != points_[end - 1].pixel));
-    quad_.push_back(quad);
-  }
-  return end;
-}
-
-void BlockLight::look_at_quads() {
-  const uint32_t begin = looked_at_, end = looked_at_ = find_quads(begin);
-  items_.clear();
-  find_items(begin, end);
-  if (luminaires_.size() > 1) drop_dim_items(begin);
-  std::vector<uint32_t> group;
-  for (size_t first = 0, last; first < items_.size(); first = last) {
-    group.clear();
-    for (last = first; last < items_.size() && items_[last].luminaire == items_[first].luminaire; ++last)
-      group.push_back(quad_[items_[last].point - begin]);
-    item_sampler_.look(std::span(items_).subspan(first, last - first), group, tally_);
-  }
-  for (const LookedItem& item : items_) {
-    while (slots_.size() <= slot(item)) slots_.emplace_back(memory_, block_.pixels());
-    Slot& own = slots_[slot(item)];
-    own.items.push_back({item});
-    const uint8_t seen = uint8_t((item.first_lit ? kLit : 0) | (item.first_dark ? kDark : 0));
-    own.seen[item.pixel] |= seen;
-    own.seen_by_any |= seen;
-  }
-}
-
-void BlockLight::find_items(uint32_t begin, uint32_t end) {
-  for (uint32_t l = 0; l < luminaires_.size(); ++l) {
-    for (uint32_t first = begin; first < end; first += kBatch) {
-      const uint32_t last = std::min(first + kBatch, end);
-      SurfaceColumns columns;
-      for (uint32_t p = first; p < last; ++p) columns.add(points_[p].surface);
-      alignas(64) double form_factors[kBatch];
-      luminaires_[l].form_factors(columns, form_factors);
-      for (uint32_t p = first; p < last; ++p) {
-        tally_.stop_if_cancelled();
-        if (form_factors[p - first] <= 0) {
-          tally_.decided_without_ray += block_.in_core(points_[p].pixel, 0);
-          continue;
-        }
-        const LookedItem item = item_sampler_.make(p, l, form_factors[p - first]);
-        if (item.size() > 0) items_.push_back(item);
-      }
+void BlockLight::look(bool all_found) {
+  for (std::span<const LookedItem> items; !(items = first_look_.next(all_found, tally_)).empty();) {
+    for (const LookedItem& item : items) {
+      while (slots_.size() <= slot(item)) slots_.emplace_back(memory_, block_.pixels());
+      Slot& own = slots_[slot(item)];
+      own.items.push_back({item});
+      const uint8_t seen = uint8_t((item.first_lit ? kLit : 0) | (item.first_dark ? kDark : 0));
+      own.seen[item.pixel] |= seen;
+      own.seen_by_any |= seen;
     }
   }
-}
-
-/// Sets each pixel's dimmest items aside, as many as its share of the tolerance pays for: they get no ray.
-void BlockLight::drop_dim_items(uint32_t begin) {
-  of_pixel_.resize(std::max<size_t>(of_pixel_.size(), place_.back() + 1));
-  for (auto& list : of_pixel_) list.clear();
-  for (uint32_t i = 0; i < items_.size(); ++i) of_pixel_[place_[items_[i].point - begin]].push_back(i);
-  std::vector<uint8_t> dropped(items_.size());
-  for (auto& list : of_pixel_) {
-    std::sort(list.begin(), list.end(), [this](uint32_t a, uint32_t b) {
-      const double size = items_[a].size(), other = items_[b].size();
-      return size != other ? size < other : slot(items_[a]) < slot(items_[b]);
-    });
-    double charge = 0;
-    for (uint32_t i : list) {
-      charge += items_[i].size() / 2;
-      if (charge > kDropShare * settings_.tolerance) break;
-      dropped[i] = 1;
-      tally_.decided_without_ray += block_.in_core(items_[i].pixel, 0);
-      dropped_.push_back(items_[i]);
-    }
-  }
-  size_t kept = 0;
-  for (size_t i = 0; i < items_.size(); ++i)
-    if (!dropped[i]) items_[kept++] = items_[i];
-  items_.resize(kept);
 }
 
 /// Adds of the dropped items what the pixel sees of the others, by their first looks.
 void BlockLight::add_dropped_items() {
-  if (dropped_.empty()) return;
+  if (first_look_.dropped().empty()) return;
   Reused<std::array<uint32_t, 2>> rays(memory_, block_.pixels());  // lit, dark
   for_items([&](const BlockItem& item) {
     rays[item.pixel][0] += uint32_t(std::popcount(item.first_lit));
     rays[item.pixel][1] += uint32_t(std::popcount(item.first_dark));
   });
-  for (const LookedItem& item : dropped_) {
+  for (const LookedItem& item : first_look_.dropped()) {
     const auto& [lit, dark] = rays[item.pixel];
     const double share = expected_share(lit, dark);
     PixelLight& light = out_[item.pixel];
