@@ -32,6 +32,11 @@ inline double share_deviation(double share) {
   return std::sqrt(share * (1 - share));
 }
 
+/// The largest of r, g, b, in display units.
+inline double light_size(const Vec3d& radiance, double display_scale) {
+  return max_abs(radiance) * display_scale;
+}
+
 /// What the first look tells.
 struct LookedItem {
   uint32_t point = 0, pixel = 0, luminaire = 0;
@@ -40,6 +45,10 @@ struct LookedItem {
   uint8_t first_lit = 0, first_dark = 0;    // bits of the first look's points
   bool looked = false;
 
+  void set_light(const Vec3d& by_diffuse, const Vec3d& by_phong, double display_scale) {
+    diffuse = by_diffuse, diffuse_size = light_size(by_diffuse, display_scale);
+    phong = by_phong, phong_size = light_size(by_phong, display_scale);
+  }
   double size() const { return diffuse_size + phong_size; }
   Vec3d unshadowed() const { return diffuse + phong; }
 };

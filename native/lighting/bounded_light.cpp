@@ -26,10 +26,13 @@ constexpr double kDropShare = 0.25;
 
 enum Seen : uint8_t { kLit = 1, kDark = 2 };
 
-/// An item, and the number of its BoundedItem where it is uncertain.
-struct BlockItem : LookedItem {
+/// An item without its light.
+struct BlockItem {
   static constexpr uint32_t kNone = ~0u;
-  uint32_t refined = kNone;
+
+  uint32_t point, pixel;
+  uint32_t refined;  // the number of its BoundedItem where it is uncertain
+  uint8_t first_lit, first_dark;
 
   bool uncertain() const { return refined != kNone; }
 };
@@ -39,14 +42,30 @@ double sum_of_errors(double a, double b) {
   return a == 0 ? b : b == 0 ? a : std::hypot(a, b);
 }
 
-/// Items of one bounce and one luminaire, which are compared with each other.
+/// Items of one bounce and one luminaire, which are compared with each other. Most are certain, and there are
+/// many: what each takes goes through memory a few times.
 struct Slot {
-  Slot(BlockMemory& memory, uint32_t pixels) : items(memory), seen(memory, pixels) {}
+  Slot(BlockMemory& memory, uint32_t pixels, uint32_t its_luminaire)
+      : luminaire(its_luminaire), items(memory), diffuse(memory), phong(memory), seen(memory, pixels) {}
 
+  void add(const LookedItem& item) {
+    if (!(item.phong == Vec3d{})) phong.resize(items.size());
+    items.push_back({item.point, item.pixel, BlockItem::kNone, item.first_lit, item.first_dark});
+    diffuse.push_back(item.diffuse);
+    if (!phong.empty() || !(item.phong == Vec3d{})) phong.push_back(item.phong);
+  }
+  Vec3d phong_of(size_t i) const { return phong.empty() ? Vec3d{} : phong[i]; }
+  Vec3d unshadowed(size_t i) const { return diffuse[i] + phong_of(i); }
+
+  uint32_t luminaire;
   Reused<BlockItem> items;
-  Reused<uint8_t> seen;  // by pixel
+  Reused<Vec3d> diffuse, phong;  // of each item, unshadowed; no phong: none has any
+  Reused<uint8_t> seen;          // by pixel
   uint8_t seen_by_any = 0;
 };
+
+/// How far a pixel of the block is from those that get their final values.
+enum Zone : uint8_t { kCore, kNearCore, kOutside };
 
 /// The light of one block, step by step.
 class BlockLight final : public BlockLighting {
@@ -63,21 +82,31 @@ class BlockLight final : public BlockLighting {
         memory_(block.memory),
         item_sampler_(geometry, luminaires_, sampler, points_, settings),
         first_look_(item_sampler_, block_, luminaires_, points_, settings_, kDropShare, memory_),
+        zones_(memory_, block_.pixels(), kOutside),
+        rays_(memory_),
         refined_(memory_),
-        certain_error_(memory_, block_.pixels(), 0.0) {}
+        certain_error_(memory_, block_.pixels(), 0.0) {
+    for (uint32_t p = 0; p < block_.pixels(); ++p)
+      if (block_.in_core(p, kFloodReach)) zones_[p] = block_.in_core(p, 0) ? kCore : kNearCore;
+    if (luminaires_.size() > 1) rays_.assign(block_.pixels(), {});
+  }
 
   void look() override { look(false); }
 
   void finish() override {
     look(true);
     add_dropped_items();
-    for (Slot& slot : slots_) gate(slot);
-    for (Slot& slot : slots_) flood(slot);
-    for_items([this](const BlockItem& item) { settle(item); });
+    for (Slot& slot : slots_) {
+      gate(slot);
+      flood(slot);
+      settle(slot);
+    }
     refine_tiles();
-    if (parts_) for_items([this](const BlockItem& item) { add_parts(item); });
+    if (parts_) for_core_items([this](const Slot& slot, size_t i) { add_parts(slot, i); });
     if (tally_.trace)
-      for_items([this](const BlockItem& item) { tally_.trace->add(item.pixel, decision(item)); });
+      for_core_items([this](const Slot& slot, size_t i) {
+        tally_.trace->add(slot.items[i].pixel, decision(slot, i));
+      });
   }
 
  private:
@@ -85,20 +114,21 @@ class BlockLight final : public BlockLighting {
     return points_[item.point].bounce * luminaires_.size() + item.luminaire;
   }
   template <typename Function>
-  void for_items(Function function) {
-    for (Slot& slot : slots_)
-      for (BlockItem& item : slot.items) function(item);
+  void for_core_items(Function function) {
+    for (const Slot& slot : slots_)
+      for (size_t i = 0; i < slot.items.size(); ++i)
+        if (zones_[slot.items[i].pixel] == kCore) function(slot, i);
   }
 
-  LightDecision decision(const BlockItem& item) const;
+  LightDecision decision(const Slot& slot, size_t i) const;
   void look(bool all_found);
   void add_dropped_items();
-  void make_uncertain(BlockItem& item);
+  void make_uncertain(Slot& slot, size_t i);
   void gate(Slot& slot);
   void flood(Slot& slot);
-  void settle(const BlockItem& item);
+  void settle(const Slot& slot);
   void refine_tiles();
-  void add_parts(const BlockItem& item);
+  void add_parts(const Slot& slot, size_t i);
 
   const Block& block_;
   std::span<const Luminaire> luminaires_;
@@ -111,43 +141,45 @@ class BlockLight final : public BlockLighting {
   ItemSampler item_sampler_;
   FirstLook first_look_;
   std::deque<Slot> slots_;
+  Reused<Zone> zones_;                   // by pixel
+  Reused<std::array<uint32_t, 2>> rays_;  // by pixel: of all first looks, lit and dark
   Reused<BoundedItem> refined_;
   Reused<double> certain_error_;  // of each pixel's certain items, display units
 };
 
-LightDecision BlockLight::decision(const BlockItem& item) const {
+LightDecision BlockLight::decision(const Slot& slot, size_t i) const {
+  const BlockItem& item = slot.items[i];
   const uint32_t bounce = points_[item.point].bounce;
   if (item.uncertain()) {
     const BoundedItem& refined = refined_[item.refined];
-    return {bounce, item.luminaire, "may be in penumbra", refined.count, refined.radiance()};
+    return {bounce, slot.luminaire, "may be in penumbra", refined.count, refined.radiance()};
   }
-  return item.first_lit ? LightDecision{bounce, item.luminaire, "wholly seen", kFirstLook, item.unshadowed()}
-                        : LightDecision{bounce, item.luminaire, "wholly hidden", kFirstLook, {}};
+  return item.first_lit ? LightDecision{bounce, slot.luminaire, "wholly seen", kFirstLook, slot.unshadowed(i)}
+                        : LightDecision{bounce, slot.luminaire, "wholly hidden", kFirstLook, {}};
 }
 
 void BlockLight::look(bool all_found) {
   for (std::span<const LookedItem> items; !(items = first_look_.next(all_found, tally_)).empty();) {
     for (const LookedItem& item : items) {
-      while (slots_.size() <= slot(item)) slots_.emplace_back(memory_, block_.pixels());
+      while (slots_.size() <= slot(item))
+        slots_.emplace_back(memory_, block_.pixels(), uint32_t(slots_.size() % luminaires_.size()));
       Slot& own = slots_[slot(item)];
-      own.items.push_back({item});
+      own.add(item);
       const uint8_t seen = uint8_t((item.first_lit ? kLit : 0) | (item.first_dark ? kDark : 0));
       own.seen[item.pixel] |= seen;
       own.seen_by_any |= seen;
+      if (rays_.empty()) continue;
+      rays_[item.pixel][0] += uint32_t(std::popcount(item.first_lit));
+      rays_[item.pixel][1] += uint32_t(std::popcount(item.first_dark));
     }
   }
 }
 
 /// Adds of the dropped items what the pixel sees of the others, by their first looks.
 void BlockLight::add_dropped_items() {
-  if (first_look_.dropped().empty()) return;
-  Reused<std::array<uint32_t, 2>> rays(memory_, block_.pixels());  // lit, dark
-  for_items([&](const BlockItem& item) {
-    rays[item.pixel][0] += uint32_t(std::popcount(item.first_lit));
-    rays[item.pixel][1] += uint32_t(std::popcount(item.first_dark));
-  });
   for (const LookedItem& item : first_look_.dropped()) {
-    const auto& [lit, dark] = rays[item.pixel];
+    if (zones_[item.pixel] != kCore) continue;
+    const auto& [lit, dark] = rays_[item.pixel];
     const double share = expected_share(lit, dark);
     PixelLight& light = out_[item.pixel];
     light.radiance += item.unshadowed() * share;
@@ -161,70 +193,81 @@ void BlockLight::add_dropped_items() {
   }
 }
 
-void BlockLight::make_uncertain(BlockItem& item) {
+void BlockLight::make_uncertain(Slot& slot, size_t i) {
+  BlockItem& item = slot.items[i];
   if (item.uncertain()) return;
   item.refined = uint32_t(refined_.size());
-  refined_.push_back(item);
+  LookedItem looked;
+  looked.point = item.point, looked.pixel = item.pixel, looked.luminaire = slot.luminaire;
+  looked.set_light(slot.diffuse[i], slot.phong_of(i), settings_.display_scale);
+  looked.first_lit = item.first_lit, looked.first_dark = item.first_dark, looked.looked = true;
+  refined_.push_back(looked);
 }
 
 /// Items of a slot whose neighbourhood has seen both light and dark may be in penumbra.
 void BlockLight::gate(Slot& slot) {
-  if (slot.items.empty()) return;
-  const Luminaire& luminaire = luminaires_[slot.items.front().luminaire];
+  const Luminaire& luminaire = luminaires_[slot.luminaire];
   if (luminaire.is_point()) return;  // one ray told all
   if (slot.seen_by_any == (kLit | kDark)) spread(slot.seen, block_.width, block_.height, kGateReach);
-  for (BlockItem& item : slot.items) {
+  for (size_t i = 0; i < slot.items.size(); ++i) {
+    const BlockItem& item = slot.items[i];
+    if (zones_[item.pixel] == kOutside) continue;
     // Most of the four were below the horizon: a neighbourhood of those has seen next to nothing.
     const bool blind = std::popcount(uint8_t(item.first_lit | item.first_dark)) < int(kFirstLook) / 2;
     const bool unproven = luminaire.is_wide();  // until the flood's 16 points
-    if (slot.seen[item.pixel] == (kLit | kDark) || blind || unproven) make_uncertain(item);
+    if (slot.seen[item.pixel] == (kLit | kDark) || blind || unproven) make_uncertain(slot, i);
   }
 }
 
 /// Where the first packet of an uncertain item finds penumbra, its neighbours are uncertain too.
 void BlockLight::flood(Slot& slot) {
-  Reused<uint8_t> mixed(memory_, block_.pixels());
-  bool any = false;
+  Reused<uint8_t> mixed(memory_);
   for (const BlockItem& item : slot.items) {
-    if (!item.uncertain() || !block_.in_core(item.pixel, kFloodReach)) continue;
+    if (!item.uncertain()) continue;
     BoundedItem& refined = refined_[item.refined];
     item_sampler_.advance(refined, next_level(0), tally_);
-    mixed[item.pixel] = refined.lit > 0 && refined.lit < refined.facing;
-    any = any || mixed[item.pixel];
+    if (refined.lit == 0 || refined.lit == refined.facing) continue;
+    if (mixed.empty()) mixed.assign(block_.pixels(), 0);
+    mixed[item.pixel] = true;
   }
-  if (!any) return;
+  if (mixed.empty()) return;
   spread(mixed, block_.width, block_.height, kFloodReach);
-  for (BlockItem& item : slot.items)
-    if (mixed[item.pixel]) make_uncertain(item);
+  for (size_t i = 0; i < slot.items.size(); ++i)
+    if (mixed[slot.items[i].pixel] && zones_[slot.items[i].pixel] == kCore) make_uncertain(slot, i);
 }
 
 /// A certain item's light. What the first looks around a pixel can have missed is the smoothed standard error
 /// of all their points; a pixel's share of it is reported, but no more than half the tolerance, which the
 /// calibration shows to hold.
-void BlockLight::settle(const BlockItem& item) {
+void BlockLight::settle(const Slot& slot) {
   static const double n = kFirstLook * (2 * kGateReach + 1) * (2 * kGateReach + 1), p = 1 / (n + 2);
   static const double missed =
       kItemCalibration.report * kItemCalibration.smoothed * std::sqrt(p * (1 - p)) * std::pow(n, -0.75);
-  if (item.uncertain()) return;
-  PixelLight& pixel_light = out_[item.pixel];
-  const bool exact = luminaires_[item.luminaire].is_point();
-  pixel_light.points += exact ? 1 : kFirstLook;
-  if (item.first_lit) pixel_light.radiance += item.unshadowed();
-  if (exact) return;
-  double& certain = certain_error_[item.pixel];
-  certain = std::min(sum_of_errors(certain, missed * item.size()), settings_.tolerance / 2);
+  const bool exact = luminaires_[slot.luminaire].is_point();
+  for (size_t i = 0; i < slot.items.size(); ++i) {
+    const BlockItem& item = slot.items[i];
+    if (item.uncertain() || zones_[item.pixel] != kCore) continue;
+    PixelLight& pixel_light = out_[item.pixel];
+    pixel_light.points += exact ? 1 : kFirstLook;
+    if (item.first_lit) pixel_light.radiance += slot.unshadowed(i);
+    if (exact) continue;
+    const double size = light_size(slot.diffuse[i], settings_.display_scale) +
+                        light_size(slot.phong_of(i), settings_.display_scale);
+    double& certain = certain_error_[item.pixel];
+    certain = std::min(sum_of_errors(certain, missed * size), settings_.tolerance / 2);
+  }
 }
 
 void BlockLight::refine_tiles() {
   const uint32_t columns = (block_.core_width + kTile - 1) / kTile;
   const uint32_t rows = (block_.core_height + kTile - 1) / kTile;
   std::vector<std::vector<BoundedItem*>> tiles(size_t(columns) * rows);
-  for_items([&](const BlockItem& item) {
-    if (!item.uncertain() || !block_.in_core(item.pixel, 0)) return;
+  for (BoundedItem& item : refined_) {
+    if (zones_[item.pixel] != kCore) continue;
     const uint32_t x = item.pixel % block_.width - block_.core_x,
                    y = item.pixel / block_.width - block_.core_y;
-    tiles[y / kTile * columns + x / kTile].push_back(&refined_[item.refined]);
-  });
+    tiles[y / kTile * columns + x / kTile].push_back(&item);
+  }
   const TileRefiner refiner(item_sampler_, points_, block_, settings_);
   for (auto& tile : tiles) {
     refiner.refine(tile, out_, tally_);
@@ -240,14 +283,16 @@ void BlockLight::refine_tiles() {
 }
 
 /// An item's light, told apart.
-void BlockLight::add_parts(const BlockItem& item) {
+void BlockLight::add_parts(const Slot& slot, size_t i) {
+  const BlockItem& item = slot.items[i];
+  const Vec3d unshadowed = slot.diffuse[i], unshadowed_phong = slot.phong_of(i);
   Vec3d diffuse, glossy;
   if (item.uncertain())
     diffuse = refined_[item.refined].diffuse_radiance(), glossy = refined_[item.refined].glossy_radiance();
   else if (item.first_lit)
-    diffuse = item.diffuse, glossy = item.phong;
-  add_light(parts_->of(item.pixel), luminaires_[item.luminaire], points_[item.point], {diffuse, item.diffuse},
-            {glossy, item.phong});
+    diffuse = unshadowed, glossy = unshadowed_phong;
+  add_light(parts_->of(item.pixel), luminaires_[slot.luminaire], points_[item.point], {diffuse, unshadowed},
+            {glossy, unshadowed_phong});
 }
 
 }  // namespace

@@ -4,13 +4,14 @@
 #include <algorithm>
 
 #include "lighting/light_cut.h"
+#include "math/simd.h"
 
 namespace penumbra {
 namespace {
 
 /// Surface points that are looked at together: as many as stay in the first cache; where luminaires are
 /// groups with much memory of their own, so many that it is not fetched too often.
-constexpr uint32_t kLookedAt = kBatch, kLookedAtByGroups = 16 * kBatch;
+constexpr uint32_t kLookedAt = kBatch, kLookedAtByGroups = 4 * kBatch;
 
 }  // namespace
 
@@ -24,6 +25,10 @@ FirstLook::FirstLook(const ItemSampler& sampler, const Block& block, std::span<c
       settings_(settings),
       drop_share_(drop_share),
       batch_(luminaires.size() > kFewLuminaires ? kLookedAtByGroups : kLookedAt),
+      chunks_(memory),
+      form_factors_(memory),
+      sizes_(memory),
+      items_(memory),
       dropped_(memory) {}
 
 std::span<const LookedItem> FirstLook::next(bool all_found, LightTally& tally) {
@@ -31,8 +36,10 @@ std::span<const LookedItem> FirstLook::next(bool all_found, LightTally& tally) {
   while (items_.empty() && points_.size() - looked_at_ >= (all_found ? 1 : batch_)) {
     const uint32_t begin = looked_at_;
     looked_at_ = find_quads(begin);
-    find_items(begin, looked_at_, tally);
-    if (luminaires_.size() > 1) drop_dim_items(begin, tally);
+    fill_chunks(begin, looked_at_);
+    find_sizes(begin, tally);
+    if (luminaires_.size() > 1) drop_dim_items(begin, looked_at_, tally);
+    make_items(begin);
     for (size_t first = 0, last; first < items_.size(); first = last) {
       group_.clear();
       for (last = first; last < items_.size() && items_[last].luminaire == items_[first].luminaire; ++last)
@@ -47,63 +54,135 @@ std::span<const LookedItem> FirstLook::next(bool all_found, LightTally& tally) {
 /// row and column are even in the frame, so that its quads are the frame's. Returns where they end.
 uint32_t FirstLook::find_quads(uint32_t begin) {
   quad_.clear();
-  place_.clear();
   uint32_t end = begin, whole = begin;
   for (; end < points_.size(); ++end) {
     const uint32_t p = points_[end].pixel, quad = p / block_.width / 2 * block_.width + p % block_.width / 2;
     if (end > begin && quad != quad_.back()) whole = end;
     if (end - begin >= batch_ && whole > begin) return whole;
-    place_.push_back(end == begin ? 0 : place_.back() + (p != points_[end - 1].pixel));
     quad_.push_back(quad);
   }
   return end;
 }
 
-void FirstLook::find_items(uint32_t begin, uint32_t end, LightTally& tally) {
+void FirstLook::fill_chunks(uint32_t begin, uint32_t end) {
+  chunks_.resize((end - begin + kBatch - 1) / kBatch);
+  for (Chunk& chunk : chunks_) {
+    chunk.surfaces.count = 0;
+    chunk.any_other_lobes = false;
+    for (uint32_t i = 0; i < kBatch && begin < end; ++i, ++begin) {
+      const LitPoint& lit = points_[begin];
+      chunk.surfaces.add(lit.surface);
+      for (int c = 0; c < 3; ++c) {
+        chunk.throughput[c][i] = lit.throughput[c];
+        chunk.albedo[c][i] = lit.material->diffuse[c];
+      }
+      chunk.in_core[i] = block_.in_core(lit.pixel, 0);
+      chunk.other_lobes[i] = lit.material->has_diffuse_lobes || lit.material->has_glossy();
+      chunk.any_other_lobes |= chunk.other_lobes[i];
+    }
+  }
+}
+
+/// As LookedItem::size() of Lambert's lobe.
+PENUMBRA_VECTORIZED
+void FirstLook::light_sizes(const Chunk& chunk, const Vec3d& radiance, double display_scale,
+                            const double* form_factors, double* sizes) {
+  const Vec3d r = radiance;
+  const uint32_t count = chunk.surfaces.count;
+  double out[kBatch];
+  for (size_t i = 0; i < count; ++i) {
+    const double f = form_factors[i];
+    const double x = std::abs(chunk.throughput[0][i] * r.x * chunk.albedo[0][i] * f),
+                 y = std::abs(chunk.throughput[1][i] * r.y * chunk.albedo[1][i] * f),
+                 z = std::abs(chunk.throughput[2][i] * r.z * chunk.albedo[2][i] * f);
+    const double yz = y < z ? z : y, size = (x < yz ? yz : x) * display_scale;
+    out[i] = f > 0 && size > 0 ? size : 0.0;
+  }
+  for (size_t i = 0; i < count; ++i) sizes[i] = out[i];
+}
+
+void FirstLook::find_sizes(uint32_t begin, LightTally& tally) {
+  form_factors_.resize(entry_of(chunks_.size(), 0));
+  sizes_.resize(form_factors_.size());
+  by_other_lobes_.clear();
   for (uint32_t l = 0; l < luminaires_.size(); ++l) {
-    for (uint32_t first = begin; first < end; first += kBatch) {
-      const uint32_t last = std::min(first + kBatch, end);
-      SurfaceColumns columns;
-      for (uint32_t p = first; p < last; ++p) columns.add(points_[p].surface);
-      alignas(64) double form_factors[kBatch];
-      luminaires_[l].form_factors(columns, form_factors);
-      for (uint32_t p = first; p < last; ++p) {
+    const Luminaire& luminaire = luminaires_[l];
+    for (size_t c = 0; c < chunks_.size(); ++c) {
+      tally.stop_if_cancelled();
+      const Chunk& chunk = chunks_[c];
+      const size_t entry = entry_of(c, l);
+      double *form_factors = &form_factors_[entry], *sizes = &sizes_[entry];
+      luminaire.form_factors(chunk.surfaces, form_factors);
+      light_sizes(chunk, luminaire.role().diffuse ? luminaire.radiance() : Vec3d{}, settings_.display_scale,
+                  form_factors, sizes);
+      for (uint32_t i = 0; i < chunk.surfaces.count; ++i)
+        tally.decided_without_ray += chunk.in_core[i] && form_factors[i] <= 0;
+      if (!chunk.any_other_lobes) continue;
+      by_other_lobes_at_.resize(sizes_.size());
+      for (uint32_t i = 0; i < chunk.surfaces.count; ++i) {
+        if (!chunk.other_lobes[i]) continue;
+        sizes[i] = 0;
+        if (!(form_factors[i] > 0)) continue;
         tally.stop_if_cancelled();
-        if (form_factors[p - first] <= 0) {
-          tally.decided_without_ray += block_.in_core(points_[p].pixel, 0);
-          continue;
-        }
-        const LookedItem item = sampler_.make(p, l, form_factors[p - first]);
-        if (item.size() > 0) items_.push_back(item);
+        const LookedItem made = sampler_.make(begin + uint32_t(c) * kBatch + i, l, form_factors[i]);
+        if (!(made.size() > 0)) continue;
+        sizes[i] = made.size();
+        by_other_lobes_at_[entry + i] = uint32_t(by_other_lobes_.size());
+        by_other_lobes_.push_back(made);
       }
     }
   }
 }
 
 /// Sets each pixel's dimmest items aside, as many as its share of the tolerance pays for: they get no ray.
-void FirstLook::drop_dim_items(uint32_t begin, LightTally& tally) {
-  of_pixel_.resize(std::max<size_t>(of_pixel_.size(), place_.back() + 1));
-  for (auto& list : of_pixel_) list.clear();
-  for (uint32_t i = 0; i < items_.size(); ++i) of_pixel_[place_[items_[i].point - begin]].push_back(i);
-  std::vector<uint8_t> dropped(items_.size());
-  for (auto& list : of_pixel_) {
-    std::sort(list.begin(), list.end(), [this](uint32_t a, uint32_t b) {
-      const double size = items_[a].size(), other = items_[b].size();
-      return size != other ? size < other : slot(items_[a]) < slot(items_[b]);
+void FirstLook::drop_dim_items(uint32_t begin, uint32_t end, LightTally& tally) {
+  const double budget = drop_share_ * settings_.tolerance;
+  for (uint32_t first = begin, last; first < end; first = last) {
+    candidates_.clear();
+    for (last = first; last < end && points_[last].pixel == points_[first].pixel; ++last) {
+      const uint32_t at = last - begin;
+      const double* size = &sizes_[entry_of(at / kBatch, 0) + at % kBatch];
+      for (uint32_t l = 0; l < luminaires_.size(); ++l, size += kBatch)
+        if (*size > 0 && *size / 2 <= budget) candidates_.push_back({*size, last, l});
+    }
+    std::sort(candidates_.begin(), candidates_.end(), [](const Candidate& a, const Candidate& b) {
+      if (a.size != b.size) return a.size < b.size;
+      return a.point != b.point ? a.point < b.point : a.luminaire < b.luminaire;
     });
     double charge = 0;
-    for (uint32_t i : list) {
-      charge += items_[i].size() / 2;
-      if (charge > drop_share_ * settings_.tolerance) break;
-      dropped[i] = 1;
-      tally.decided_without_ray += block_.in_core(items_[i].pixel, 0);
-      dropped_.push_back(items_[i]);
+    for (const Candidate& candidate : candidates_) {
+      charge += candidate.size / 2;
+      if (charge > budget) break;
+      const uint32_t at = candidate.point - begin;
+      const size_t entry = entry_of(at / kBatch, candidate.luminaire) + at % kBatch;
+      dropped_.push_back(item(candidate.point, candidate.luminaire, entry));
+      sizes_[entry] = 0;
+      tally.decided_without_ray += chunks_[at / kBatch].in_core[at % kBatch];
     }
   }
-  size_t kept = 0;
-  for (size_t i = 0; i < items_.size(); ++i)
-    if (!dropped[i]) items_[kept++] = items_[i];
-  items_.resize(kept);
+}
+
+void FirstLook::make_items(uint32_t begin) {
+  for (uint32_t l = 0; l < luminaires_.size(); ++l) {
+    for (size_t c = 0; c < chunks_.size(); ++c) {
+      const size_t entry = entry_of(c, l);
+      for (uint32_t i = 0; i < chunks_[c].surfaces.count; ++i)
+        if (sizes_[entry + i] > 0) items_.push_back(item(begin + uint32_t(c) * kBatch + i, l, entry + i));
+    }
+  }
+}
+
+LookedItem FirstLook::item(uint32_t point, uint32_t luminaire, size_t entry) const {
+  const LitPoint& lit = points_[point];
+  if (lit.material->has_diffuse_lobes || lit.material->has_glossy())
+    return by_other_lobes_[by_other_lobes_at_[entry]];
+  LookedItem item;
+  item.point = point;
+  item.pixel = lit.pixel;
+  item.luminaire = luminaire;
+  item.diffuse = lit.throughput * luminaires_[luminaire].radiance() * lit.material->diffuse * form_factors_[entry];
+  item.diffuse_size = sizes_[entry];
+  return item;
 }
 
 }  // namespace penumbra

@@ -25,11 +25,31 @@ class FirstLook {
   const std::vector<LookedItem>& dropped() const { return dropped_; }
 
  private:
+  /// At most kBatch of the points that it is at: what luminaires ask, and what becomes of their light.
+  struct Chunk {
+    SurfaceColumns surfaces;
+    alignas(64) double throughput[3][kBatch], albedo[3][kBatch];  // r, g, b
+    bool in_core[kBatch];
+    bool other_lobes[kBatch];  // than Lambert's
+    bool any_other_lobes = false;
+  };
+  struct Candidate {
+    double size;
+    uint32_t point, luminaire;
+  };
+
   uint32_t find_quads(uint32_t begin);
-  void find_items(uint32_t begin, uint32_t end, LightTally& tally);
-  void drop_dim_items(uint32_t begin, LightTally& tally);
-  uint64_t slot(const LookedItem& item) const {
-    return uint64_t(points_[item.point].bounce) * luminaires_.size() + item.luminaire;
+  void fill_chunks(uint32_t begin, uint32_t end);
+  void find_sizes(uint32_t begin, LightTally& tally);
+  void drop_dim_items(uint32_t begin, uint32_t end, LightTally& tally);
+  void make_items(uint32_t begin);
+  LookedItem item(uint32_t point, uint32_t luminaire, size_t entry) const;
+  static void light_sizes(const Chunk& chunk, const Vec3d& radiance, double display_scale,
+                          const double* form_factors, double* sizes);
+
+  /// Where a luminaire's number for a chunk's first point is.
+  size_t entry_of(size_t chunk, uint32_t luminaire) const {
+    return (chunk * luminaires_.size() + luminaire) * kBatch;
   }
 
   const ItemSampler& sampler_;
@@ -40,10 +60,15 @@ class FirstLook {
   double drop_share_;
   uint32_t batch_;
   uint32_t looked_at_ = 0;  // points
-  // Of the quads that it is at: each point's quad, and the number of its pixel among theirs; the items.
-  std::vector<uint32_t> quad_, place_, group_;
-  std::vector<LookedItem> items_;
-  std::vector<std::vector<uint32_t>> of_pixel_;
+  // Of the quads that it is at: each point's quad, the points, numbers by chunk, luminaire and point (a size
+  // of 0: no item), what other lobes than Lambert's get and where it is, the items.
+  std::vector<uint32_t> quad_, group_;
+  Reused<Chunk> chunks_;
+  Reused<double> form_factors_, sizes_;
+  std::vector<LookedItem> by_other_lobes_;
+  std::vector<uint32_t> by_other_lobes_at_;
+  std::vector<Candidate> candidates_;
+  Reused<LookedItem> items_;
   Reused<LookedItem> dropped_;
 };
 

@@ -61,11 +61,11 @@ LookedItem ItemSampler::make(uint32_t point, uint32_t luminaire, double form_fac
   item.luminaire = luminaire;
   const Vec3d arriving = lit.throughput * luminaires_[luminaire].radiance();
   const ShadingPoint shading(lit.surface, *lit.material, lit.ray_direction);
-  item.diffuse = arriving * diffuse_colour(shading, luminaires_[luminaire]).mean * form_factor;
+  const Vec3d diffuse = arriving * diffuse_colour(shading, luminaires_[luminaire]).mean * form_factor;
+  Vec3d phong;
   if (shading.has_glossy && luminaires_[luminaire].role().glossy)
-    item.phong = unshadowed_glossy(shading, arriving, luminaires_[luminaire], key(item));
-  item.diffuse_size = max_abs(item.diffuse) * settings_.display_scale;
-  item.phong_size = max_abs(item.phong) * settings_.display_scale;
+    phong = unshadowed_glossy(shading, arriving, luminaires_[luminaire], key(item));
+  item.set_light(diffuse, phong, settings_.display_scale);
   return item;
 }
 
