@@ -15,8 +15,8 @@ namespace {
 /// Side of a cube in distances to the node: light as 1 / r^4 of an element at r is off by 5 (side / 2r)^3.
 constexpr double kCubeSide = 0.2;
 
-/// Fewer elements are asked one by one, and sorted for each surface point anew.
-constexpr uint32_t kWorthACube = 48, kWorthAChoice = 12;
+/// Fewer elements are sorted for each surface point anew.
+constexpr uint32_t kWorthAChoice = 12;
 
 /// Share of a node's power that may come from elements whose plane cuts the cube: their light has a kink.
 constexpr double kMostTurning = 0.02;
@@ -66,6 +66,14 @@ void LightChoice::fill(const LightTree& tree, uint32_t node, LightChannel channe
   tree.sum(n.begin, n.end, channel, surface, values_.data());
   double total = 0;
   for (size_t i = 0; i < values_.size(); ++i) until_[i] = total += double(values_[i]);
+}
+
+void LightChoice::fill(uint32_t begin, uint32_t count, const float* values, uint32_t stride) {
+  begin_ = begin;
+  values_.resize(count);
+  until_.resize(count);
+  double total = 0;
+  for (size_t i = 0; i < count; ++i) until_[i] = total += double(values_[i] = values[i * stride]);
 }
 
 uint32_t LightChoice::pick(double at, double& share, double& within) const {
@@ -139,6 +147,20 @@ double LightCells::form_factor(uint32_t node, const SurfacePoint& surface) {
     }
   }
   return n.is_leaf() ? one_by_one() : form_factor(node + 1, surface) + form_factor(n.right, surface);
+}
+
+bool LightCells::is_small() const {
+  const LightNode& n = tree_.node(root_);
+  return n.end - n.begin < kWorthACube;
+}
+
+void LightCells::form_factors(const SurfaceColumns& surfaces, double* out) {
+  if (is_small()) {
+    const LightNode& n = tree_.node(root_);
+    alignas(64) float values[kWorthACube * kBatch];
+    return tree_.sums(n.begin, n.end, channel_, surfaces, values, out);
+  }
+  for (uint32_t i = 0; i < surfaces.count; ++i) out[i] = form_factor(root_, surfaces.point(i));
 }
 
 const LightChoice* LightCells::choice(const SurfacePoint& surface) {

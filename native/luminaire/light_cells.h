@@ -15,6 +15,8 @@ namespace penumbra {
 class LightChoice {
  public:
   void fill(const LightTree& tree, uint32_t node, LightChannel channel, const SurfacePoint& surface);
+  /// The same from what the elements send, `stride` apart.
+  void fill(uint32_t begin, uint32_t count, const float* values, uint32_t stride);
   /// As LightTree::pick(); nothing where share is 0.
   uint32_t pick(double at, double& share, double& within) const;
 
@@ -28,6 +30,9 @@ class LightChoice {
 /// before. Not for several threads at once.
 class LightCells {
  public:
+  /// Fewer elements are asked one by one.
+  static constexpr uint32_t kWorthACube = 48;
+
   /// smallest_side: smaller cubes hold too few surface points to be worth it.
   LightCells(const LightTree& tree, uint32_t node, LightChannel channel, double smallest_side)
       : tree_(tree), root_(node), channel_(channel), smallest_side_(smallest_side) {}
@@ -35,6 +40,9 @@ class LightCells {
   /// Sum of |radiance| x form factor, of cubes where that is good for 1e-3 of a facing light at worst, 1e-4
   /// in the mean (tests/native/test_light_cells.cpp), else element by element.
   double form_factor(const SurfacePoint& surface) { return form_factor(root_, surface); }
+  void form_factors(const SurfaceColumns& surfaces, double* out);
+  /// Its elements are asked one by one.
+  bool is_small() const;
   /// What the surface points of a cube that face one way choose by; null where they do not share one.
   const LightChoice* choice(const SurfacePoint& surface);
 

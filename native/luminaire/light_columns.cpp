@@ -113,6 +113,66 @@ void by_four_points(const float* const* columns, uint32_t count, const float* po
   }
 }
 
+/// as_points(), as_bulbs() and by_four_points() of one element for many receivers.
+PENUMBRA_VECTORIZED
+void from_each(const float* element, float element_power, const ReceiverColumns& receivers, float* out,
+               int* state) {
+  const float cx = element[kCentre], cy = element[kCentre + 1], cz = element[kCentre + 2],
+              nx = element[kNormal], ny = element[kNormal + 1], nz = element[kNormal + 2],
+              radius = element[kRadius], near_square = element[kNearSquare], far_square = element[kFarSquare],
+              power = element_power;
+  const bool omni = element[kOmni] > 0, two_sided = element[kTwoSided] > 0;
+  const uint32_t count = receivers.count;
+  alignas(64) float values[kBatch];
+  alignas(64) int states[kBatch];
+  for (uint32_t i = 0; i < count; ++i) {
+    const float dx = cx - receivers.x[i], dy = cy - receivers.y[i], dz = cz - receivers.z[i];
+    const float square = dx * dx + dy * dy + dz * dz;
+    const float height =
+        dx * receivers.normal_x[i] + dy * receivers.normal_y[i] + dz * receivers.normal_z[i];
+    const float facing = -(dx * nx + dy * ny + dz * nz);
+    const float side = two_sided ? std::abs(facing) : facing;
+    const float inverse = 1 / square;
+    const float flat = (height * inverse) * (side * inverse) * power;
+    const float bulb = height / (square * std::sqrt(square)) * power;
+    const bool sends = (omni ? square : side) > 0 && height > -radius;
+    const bool near = height < radius || square < near_square;
+    values[i] = sends && !near ? (omni ? bulb : flat) : 0.0f;
+    states[i] = !sends                         ? kPointLight
+                : near                         ? kNearLight
+                : !omni && square < far_square ? kFourPoints
+                                               : kPointLight;
+  }
+  for (uint32_t i = 0; i < count; ++i) out[i] = values[i];
+  for (uint32_t i = 0; i < count; ++i) state[i] = states[i];
+}
+
+PENUMBRA_VECTORIZED
+void four_from_each(const float* element, float element_power, const ReceiverColumns& receivers,
+                    const int* state, float* out) {
+  float e[kRadius];
+  for (int k = 0; k < kRadius; ++k) e[k] = element[k];
+  const float power = element_power;
+  const uint32_t count = receivers.count;
+  alignas(64) float values[kBatch];
+  for (uint32_t i = 0; i < count; ++i) {
+    const float dx = e[kCentre] - receivers.x[i], dy = e[kCentre + 1] - receivers.y[i],
+                dz = e[kCentre + 2] - receivers.z[i];
+    const float facing = -(dx * e[kNormal] + dy * e[kNormal + 1] + dz * e[kNormal + 2]);
+    float sum = 0;
+    for (int k = 0; k < 4; ++k) {
+      const float s = k & 1 ? 1.0f : -1.0f, t = k & 2 ? 1.0f : -1.0f;
+      const float x = dx + s * e[kHalfU] + t * e[kHalfV], y = dy + s * e[kHalfU + 1] + t * e[kHalfV + 1],
+                  z = dz + s * e[kHalfU + 2] + t * e[kHalfV + 2];
+      const float square = x * x + y * y + z * z;
+      sum += (x * receivers.normal_x[i] + y * receivers.normal_y[i] + z * receivers.normal_z[i]) /
+             (square * square);
+    }
+    values[i] = 0.25f * sum * std::abs(facing) * power;
+  }
+  for (uint32_t i = 0; i < count; ++i) out[i] = state[i] == kFourPoints ? values[i] : out[i];
+}
+
 /// Adds each element as one point, or as four, lane by lane.
 PENUMBRA_VECTORIZED
 void sum_vectors(const float* const* columns, uint32_t count, const float* powers, const Receiver& receiver,
@@ -221,6 +281,29 @@ void add_light_columns(const LightElement& e, const float radiance[4],
   columns[kTwoSided].push_back(e.two_sided ? 1.0f : 0.0f);
   for (int channel = 0; channel < 4; ++channel)
     columns[size_t(kPower + channel)].push_back(float(e.strength * double(radiance[channel])));
+}
+
+ReceiverColumns::ReceiverColumns(const SurfaceColumns& surfaces) : count(surfaces.count) {
+  for (uint32_t i = 0; i < count; ++i) {
+    x[i] = float(surfaces.x[i]), y[i] = float(surfaces.y[i]), z[i] = float(surfaces.z[i]);
+    normal_x[i] = float(surfaces.normal_x[i]), normal_y[i] = float(surfaces.normal_y[i]),
+    normal_z[i] = float(surfaces.normal_z[i]);
+  }
+}
+
+bool far_light_each(const std::vector<std::vector<float>>& columns, uint32_t element, int channel,
+                    const ReceiverColumns& receivers, float* out, int* state) {
+  float e[kPower];
+  for (size_t k = 0; k < kPower; ++k) e[k] = columns[k][element];
+  const float power = columns[size_t(kPower + channel)][element];
+  from_each(e, power, receivers, out, state);
+  int most = 0, four = 0;
+  for (uint32_t i = 0; i < receivers.count; ++i) {
+    most = std::max(most, state[i]);
+    four |= state[i] == kFourPoints;
+  }
+  if (four) four_from_each(e, power, receivers, state, out);
+  return most == kNearLight;
 }
 
 bool far_light(const std::vector<std::vector<float>>& columns, uint32_t first, uint32_t count, int channel,

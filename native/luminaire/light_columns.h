@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "luminaire/light_element.h"
-#include "scene/surface_point.h"
+#include "scene/surface_columns.h"
 
 namespace penumbra {
 
@@ -24,6 +24,17 @@ enum LightState : int { kPointLight, kFourPoints, kNearLight };
 /// Returns whether there are such. count: at most kLightChunk.
 bool far_light(const std::vector<std::vector<float>>& columns, uint32_t first, uint32_t count, int channel,
                const SurfacePoint& surface, float* out, int* state);
+
+/// Surface points as the loops want them.
+struct ReceiverColumns {
+  explicit ReceiverColumns(const SurfaceColumns& surfaces);
+
+  alignas(64) float x[kBatch], y[kBatch], z[kBatch], normal_x[kBatch], normal_y[kBatch], normal_z[kBatch];
+  uint32_t count;
+};
+/// The same as far_light() for one element and many surface points.
+bool far_light_each(const std::vector<std::vector<float>>& columns, uint32_t element, int channel,
+                    const ReceiverColumns& receivers, float* out, int* state);
 
 /// Elements [first, first + count): sum of the vectors whose product with a surface's normal is what it gets,
 /// wherever all elements are above the horizon. Nearer to `middle` than some radii they are four points each.

@@ -277,14 +277,62 @@ double LightTree::sum(uint32_t begin, uint32_t end, LightChannel channel, const 
   return total;
 }
 
-float LightTree::evaluate(uint32_t element, LightChannel channel, const SurfacePoint& surface, float u,
-                          float v, Vec3f& to_light) const {
+void LightTree::sums(uint32_t begin, uint32_t end, LightChannel channel, const SurfaceColumns& surfaces,
+                     float* values, double* out) const {
+  const ReceiverColumns receivers(surfaces);
+  const uint32_t elements = end - begin, count = surfaces.count;
+  alignas(64) int state[kBatch];
+  for (uint32_t e = 0; e < elements; ++e) {
+    float* own = values + e * kBatch;
+    if (!far_light_each(columns_, begin + e, int(channel), receivers, own, state)) continue;
+    const Source& source = sources_[begin + e];
+    for (uint32_t i = 0; i < count; ++i)
+      if (state[i] == kNearLight)
+        own[i] = float(source.emitter->form_factor_of(source.element, surfaces.point(i)) *
+                       double(source.radiance[int(channel)]));
+  }
+  // The same tree as sum_light(): its other leaves are 0.
+  alignas(64) float partial[kLightChunk / 2 * kBatch];
+  const float* summands = values;
+  uint32_t left = elements;
+  for (uint32_t half = kLightChunk / 2; half; half /= 2) {
+    if (left <= half) continue;
+    for (uint32_t e = 0; e < half; ++e)
+      for (uint32_t i = 0; i < count; ++i)
+        partial[e * kBatch + i] = e + half < left
+                                      ? summands[e * kBatch + i] + summands[(e + half) * kBatch + i]
+                                      : summands[e * kBatch + i];
+    summands = partial;
+    left = half;
+  }
+  for (uint32_t i = 0; i < count; ++i) out[i] = elements ? double(summands[i]) : 0.0;
+}
+
+void LightTree::Source::to_emitter(const float* u, uint32_t count, float* out) const {
+  for (uint32_t i = 0; i < count; ++i) out[i] = u_begin + (u_end - u_begin) * u[i];
+}
+
+void LightTree::Source::weigh(LightChannel channel, uint32_t count, float* form_factors) const {
+  for (uint32_t i = 0; i < count; ++i)
+    form_factors[i] = form_factors[i] * (u_end - u_begin) * radiance[int(channel)];
+}
+
+void LightTree::evaluate(uint32_t element, LightChannel channel, const SurfacePoint& surface, const float* u,
+                         const float* v, uint32_t count, LightPoints& out) const {
   const Source& source = sources_[element];
-  const float part = source.u_end - source.u_begin, at = source.u_begin + part * u;
-  LightPoints one;
-  source.emitter->evaluate(surface, &at, &v, 1, one);
-  to_light = {one.x[0], one.y[0], one.z[0]};
-  return one.form_factor[0] * part * source.radiance[int(channel)];
+  alignas(64) float at[kBatch] = {};
+  source.to_emitter(u, count, at);
+  source.emitter->evaluate(surface, at, v, count, out);
+  source.weigh(channel, count, out.form_factor);
+}
+
+void LightTree::evaluate_each(uint32_t element, LightChannel channel, const SurfaceColumns& surfaces,
+                              const float* u, const float* v, LightPoints& out) const {
+  const Source& source = sources_[element];
+  alignas(64) float at[kBatch];
+  source.to_emitter(u, surfaces.count, at);
+  source.emitter->evaluate_each(surfaces, at, v, 1, out);
+  source.weigh(channel, surfaces.count, out.form_factor);
 }
 
 }  // namespace penumbra

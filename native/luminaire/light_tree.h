@@ -62,6 +62,11 @@ class LightTree {
   double sum(uint32_t begin, uint32_t end, LightChannel channel, const SurfacePoint& surface,
              float* values) const;
 
+  /// The same for many surface points and at most kLightChunk elements; value e * kBatch + i: of element
+  /// begin + e at point i.
+  void sums(uint32_t begin, uint32_t end, LightChannel channel, const SurfaceColumns& surfaces, float* values,
+            double* out) const;
+
   /// The node is so far from a surface point, and so far above its horizon, that its elements' powers tell
   /// well enough what they send.
   bool is_far(uint32_t node, const SurfacePoint& surface) const;
@@ -74,10 +79,13 @@ class LightTree {
   /// within: where in the element's own part `at` is, in [0, 1).
   uint32_t pick(uint32_t node, LightChannel channel, double at, double& share, double& within) const;
 
-  /// A point of one element: (u, v) in its part of the emitter's square. The form factor is that of the
-  /// element times |radiance|.
-  float evaluate(uint32_t element, LightChannel channel, const SurfacePoint& surface, float u, float v,
-                 Vec3f& to_light) const;
+  /// Points of one element: (u, v) in its part of the emitter's square. Form factors are those of the element
+  /// times |radiance|.
+  void evaluate(uint32_t element, LightChannel channel, const SurfacePoint& surface, const float* u,
+                const float* v, uint32_t count, LightPoints& out) const;
+  /// One for each of many surface points.
+  void evaluate_each(uint32_t element, LightChannel channel, const SurfaceColumns& surfaces, const float* u,
+                     const float* v, LightPoints& out) const;
 
  private:
   struct Source {
@@ -85,6 +93,9 @@ class LightTree {
     uint32_t luminaire, element;  // which of the luminaire's
     float u_begin, u_end;
     float radiance[4];  // |radiance|, by channel
+
+    void to_emitter(const float* u, uint32_t count, float* out) const;
+    void weigh(LightChannel channel, uint32_t count, float* form_factors) const;
   };
   struct Building;
   void add_root(std::vector<Building>& elements);

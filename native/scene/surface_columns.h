@@ -30,6 +30,17 @@ struct SurfaceColumns {
     ++count;
   }
 
+  void add(const SurfaceColumns& other, uint32_t i) {
+    x[count] = other.x[i], y[count] = other.y[i], z[count] = other.z[i];
+    normal_x[count] = other.normal_x[i], normal_y[count] = other.normal_y[i],
+    normal_z[count] = other.normal_z[i];
+    geometric_x[count] = other.geometric_x[i], geometric_y[count] = other.geometric_y[i],
+    geometric_z[count] = other.geometric_z[i];
+    rounding[count] = other.rounding[i], time[count] = other.time[i];
+    receiver_set[count] = other.receiver_set[i];
+    ++count;
+  }
+
   /// One of them; its material and distance are not known.
   SurfacePoint point(uint32_t i) const {
     return {{x[i], y[i], z[i]},
