@@ -104,9 +104,8 @@ class BlockLight final : public BlockLighting {
     refine_tiles();
     if (parts_) for_core_items([this](const Slot& slot, size_t i) { add_parts(slot, i); });
     if (tally_.trace)
-      for_core_items([this](const Slot& slot, size_t i) {
-        tally_.trace->add(slot.items[i].pixel, decision(slot, i));
-      });
+      for_core_items(
+          [this](const Slot& slot, size_t i) { tally_.trace->add(slot.items[i].pixel, decision(slot, i)); });
   }
 
  private:
@@ -141,7 +140,7 @@ class BlockLight final : public BlockLighting {
   ItemSampler item_sampler_;
   FirstLook first_look_;
   std::deque<Slot> slots_;
-  Reused<Zone> zones_;                   // by pixel
+  Reused<Zone> zones_;                    // by pixel
   Reused<std::array<uint32_t, 2>> rays_;  // by pixel: of all first looks, lit and dark
   Reused<BoundedItem> refined_;
   Reused<double> certain_error_;  // of each pixel's certain items, display units

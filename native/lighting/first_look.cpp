@@ -180,7 +180,8 @@ LookedItem FirstLook::item(uint32_t point, uint32_t luminaire, size_t entry) con
   item.point = point;
   item.pixel = lit.pixel;
   item.luminaire = luminaire;
-  item.diffuse = lit.throughput * luminaires_[luminaire].radiance() * lit.material->diffuse * form_factors_[entry];
+  item.diffuse =
+      lit.throughput * luminaires_[luminaire].radiance() * lit.material->diffuse * form_factors_[entry];
   item.diffuse_size = sizes_[entry];
   return item;
 }

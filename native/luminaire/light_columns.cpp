@@ -128,8 +128,7 @@ void from_each(const float* element, float element_power, const ReceiverColumns&
   for (uint32_t i = 0; i < count; ++i) {
     const float dx = cx - receivers.x[i], dy = cy - receivers.y[i], dz = cz - receivers.z[i];
     const float square = dx * dx + dy * dy + dz * dz;
-    const float height =
-        dx * receivers.normal_x[i] + dy * receivers.normal_y[i] + dz * receivers.normal_z[i];
+    const float height = dx * receivers.normal_x[i] + dy * receivers.normal_y[i] + dz * receivers.normal_z[i];
     const float facing = -(dx * nx + dy * ny + dz * nz);
     const float side = two_sided ? std::abs(facing) : facing;
     const float inverse = 1 / square;
