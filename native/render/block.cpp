@@ -111,39 +111,22 @@ Ray BlockRenderer::primary_ray(uint32_t x, uint32_t y, uint32_t s) const {
   return c_.camera.through(x + 0.5 + dx, y + 0.5 + dy);
 }
 
-/// Pixel `lane` of a packet's 4 x 4, by quads of 2 x 2 pixels: where it lies.
-struct Place {
-  uint32_t x, y;
-};
-Place place_in_packet(uint32_t lane) {
-  return {(lane & 1) | (lane >> 1 & 2), (lane >> 1 & 1) | (lane >> 2 & 2)};
-}
-
-/// Finds the surface points that sample s of each pixel sees, quad by quad of the frame. Rays are traced by
-/// whole tiles of the frame, four rows of four pixels a packet, so that packets are the same wherever a block
-/// begins.
+/// Finds the surface points that sample s of each pixel sees, quad by quad of the frame.
 void BlockRenderer::trace(uint32_t s, BlockLighting& lighting) {
-  constexpr uint32_t kSide = 4;
   Ray rays[kPacket];
   HitColumns found;
-  for (uint32_t y = area_.y / kSide * kSide; y < area_.y + area_.height; y += kSide) {
-    for (uint32_t x = area_.x / kSide * kSide; x < area_.x + area_.width; x += kSide) {
-      for (uint32_t i = 0; i < kPacket; ++i) {
-        const Place at = place_in_packet(i);
-        rays[i] = primary_ray(x + at.x, y + at.y, s);
-      }
-      tally_.light.stop_if_cancelled();
-      c_.geometry.find_surfaces(rays, kPacket, found);
-      for (uint32_t i = 0; i < kPacket; ++i) {
-        const Place at = place_in_packet(i);
-        const uint32_t bx = x + at.x - area_.x, by = y + at.y - area_.y;  // wraps below the area
-        if (bx >= block_.width || by >= block_.height) continue;
-        ++tally_.primary_rays;
-        follow(found, i, by * block_.width + bx, s);
-      }
-      lighting.look();
+  for_packets_of_pixels(area_, [&](std::span<const PixelPlace> places) {
+    for (uint32_t i = 0; i < kPacket; ++i) rays[i] = primary_ray(places[i].x, places[i].y, s);
+    tally_.light.stop_if_cancelled();
+    c_.geometry.find_surfaces(rays, kPacket, found);
+    for (uint32_t i = 0; i < kPacket; ++i) {
+      const uint32_t bx = places[i].x - area_.x, by = places[i].y - area_.y;  // wraps below the area
+      if (bx >= block_.width || by >= block_.height) continue;
+      ++tally_.primary_rays;
+      follow(found, i, by * block_.width + bx, s);
     }
-  }
+    lighting.look();
+  });
 }
 
 /// The points that one primary ray sees; its data passes, if it is the pixel's first.

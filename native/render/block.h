@@ -50,6 +50,26 @@ struct RenderTally {
 Rectangle with_halo(const Rectangle& core, uint32_t halo, const RenderSettings& settings);
 Block block_of(const Rectangle& core, const Rectangle& area, const RenderSettings& settings);
 
+/// A pixel of the full frame.
+struct PixelPlace {
+  uint32_t x, y;
+};
+
+/// Calls function with the places of kPacket pixels each, quads of 2 x 2 one after the other, that together
+/// cover the area: whole tiles of the frame, so that packets are the same wherever a block begins.
+template <typename Function>
+void for_packets_of_pixels(const Rectangle& area, Function function) {
+  constexpr uint32_t kSide = 4;
+  static_assert(kSide * kSide == kPacket);
+  PixelPlace places[kPacket];
+  for (uint32_t y = area.y / kSide * kSide; y < area.y + area.height; y += kSide)
+    for (uint32_t x = area.x / kSide * kSide; x < area.x + area.width; x += kSide) {
+      for (uint32_t i = 0; i < kPacket; ++i)
+        places[i] = {x + ((i & 1) | (i >> 1 & 2)), y + ((i >> 1 & 1) | (i >> 2 & 2))};
+      function(std::span<const PixelPlace>(places));
+    }
+}
+
 /// Tells a trace which pixel of the block, whose area in the frame is `area`, it is about.
 void aim(PixelTrace& trace, const Rectangle& area);
 

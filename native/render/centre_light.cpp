@@ -2,13 +2,19 @@
 #include "render/centre_light.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+
+#include "render/filtered_parts.h"
 
 namespace penumbra {
 namespace {
 
 /// Share of the tolerance that taking the centre for the filtered pixel may cost.
 constexpr double kFilterShare = 0.3;
+
+/// Share of the tolerance that dim luminaires may be charged for being dropped.
+constexpr double kDropShare = 0.125;
 
 /// What noise of 16 points adds to a second difference, as a share of the unshadowed value: three standard
 /// deviations, sqrt(6) for the difference times 16^-3/4 / 2 for each value.
@@ -17,12 +23,13 @@ constexpr double kFirstNoise = 3 * 2.45 * 0.125 * 0.5;
 }  // namespace
 
 CentreLight::CentreLight(const RenderContext& context, const Block& block, FilteredFrame& frame,
-                         const std::vector<FilteredPixel>& pixels, RenderTally& tally)
+                         std::vector<FilteredPixel>& pixels, RenderTally& tally, FilteredParts* parts)
     : c_(context),
       block_(block),
       frame_(frame),
       pixels_(pixels),
       tally_(tally),
+      parts_(parts),
       settings_{context.settings.error_tolerance, std::exp2(context.settings.exposure),
                 context.settings.max_light_samples},
       luminaires_(uint32_t(context.luminaires.size())),
@@ -31,7 +38,74 @@ CentreLight::CentreLight(const RenderContext& context, const Block& block, Filte
       first_point_(block.pixels(), kNone),
       path_length_(block.pixels(), 0),
       item_of_(size_t(block.pixels()) * pairs_, kNone),
-      sampler_(context.geometry, context.luminaires, context.light_sampler, points_, settings_) {}
+      sampler_(context.geometry, context.luminaires, context.light_sampler, points_, settings_),
+      first_look_(sampler_, block, context.luminaires, points_, settings_, kDropShare, context.memory) {
+  points_.reserve(block.pixels());
+}
+
+/// Of pixels of the block, or ~0u.
+void CentreLight::look(std::span<const PixelPlace> places) {
+  Ray rays[kPacket];
+  HitColumns found;
+  trace(places, rays, found);
+  for (uint32_t i = 0; i < places.size(); ++i) {
+    const uint32_t p = pixel_at(places[i]);
+    if (p == kNone) continue;
+    FilteredPixel& pixel = pixels_[p];
+    ++tally_.primary_rays;
+    if (!c_.paths.is_plain(found.hits[i])) continue;
+    const PathRecord record = parts_ ? parts_->record_of_centre(p) : PathRecord{};
+    const PathEnd end = follow(found, i, p, parts_ ? &record : nullptr);
+    pixel.plain = true;
+    pixel.centre = found.hits[i];
+    pixel.material = found.hits[i].found() ? c_.geometry.material_of(found.hits[i]) : 0;
+    pixel.first = end.first;
+    pixel.background = pixel.background_fitted = pixel.centre_light = end.background;
+    pixel.alpha = end.alpha;
+  }
+}
+
+void CentreLight::look_at_lights(bool all_found) {
+  for (std::span<const LookedItem> items; !(items = first_look_.next(all_found, tally_.light)).empty();) {
+    for (const LookedItem& item : items) {
+      FilteredPixel& pixel = pixels_[item.pixel];
+      if (!pixel.plain) continue;
+      Slot& slot = frame_.of_pixel(item.pixel)[item.luminaire * lobes_];
+      slot.now.unshadowed = slot.fitted = item.diffuse;
+      slot.lit = item.first_lit != 0;
+      slot.dark = item.first_dark != 0;
+      slot.uncertain = slot.lit && slot.dark;
+      slot.first_lit = item.first_lit;
+      slot.first_dark = item.first_dark;
+      const bool one = c_.luminaires[item.luminaire].is_point();
+      slot.rays = one ? kFirstLook : uint32_t(std::popcount(uint8_t(item.first_lit | item.first_dark)));
+      pixel.light_points += one ? 1 : kFirstLook;
+      pixel.centre_light += item.diffuse;
+    }
+  }
+  if (all_found) add_dropped_items();
+}
+
+/// A pixel sees of the dropped items what it sees of the others.
+void CentreLight::add_dropped_items() {
+  for (const LookedItem& item : first_look_.dropped()) {
+    if (!pixels_[item.pixel].plain) continue;
+    uint32_t lit = 0, dark = 0;
+    for (const Slot& slot : frame_.of_pixel(item.pixel)) {
+      lit += uint32_t(std::popcount(slot.first_lit));
+      dark += uint32_t(std::popcount(slot.first_dark));
+    }
+    const double share = expected_share(lit, dark);
+    FilteredPixel& pixel = pixels_[item.pixel];
+    pixel.background += item.diffuse * share;
+    pixel.background_fitted += item.diffuse * share;
+    pixel.centre_light += item.diffuse;
+    if (parts_ && !parts_->of_centre(item.pixel).empty())
+      add_light(parts_->of_centre(item.pixel), c_.luminaires[item.luminaire], points_[item.point],
+                {item.diffuse * share, item.diffuse}, {});
+    pixel.charged += item.size() * share_deviation(share);
+  }
+}
 
 bool CentreLight::uncertain(uint32_t p, uint32_t pair) const {
   const Slot* slot = &frame_.of_pixel(p)[pair * lobes_];
@@ -42,28 +116,45 @@ void CentreLight::start(std::span<const uint32_t> pixels) {
   uint32_t untraced[kPacket], count = 0;
   for (uint32_t p : pixels)
     if (first_point_[p] == kNone) untraced[count++] = p;
-  if (count) trace({untraced, count});
+  if (count) trace_samples({untraced, count});
   for (uint32_t p : pixels)
-    if (!frame_.edge[p]) add_items(p);
+    if (!frame_.edge[p] || pixels_[p].centred()) add_items(p);
 }
 
-void CentreLight::trace(std::span<const uint32_t> pixels) {
+/// Rays through centres.
+void CentreLight::trace(std::span<const PixelPlace> places, Ray* rays, HitColumns& found) const {
+  for (size_t i = 0; i < places.size(); ++i)
+    rays[i] = c_.camera.through(places[i].x + 0.5, places[i].y + 0.5);
+  c_.geometry.find_surfaces(rays, uint32_t(places.size()), found);
+}
+
+uint32_t CentreLight::pixel_at(const PixelPlace& at) const {
+  const uint32_t x = at.x - frame_.area.x, y = at.y - frame_.area.y;  // wraps below the area
+  return x < block_.width && y < block_.height ? y * block_.width + x : kNone;
+}
+
+/// The surface points that a pixel's centre sees.
+PathEnd CentreLight::follow(const HitColumns& found, uint32_t ray, uint32_t p, const PathRecord* record) {
+  const uint64_t stream =
+      uint64_t(frame_.area.y + p / block_.width) * c_.settings.width + frame_.area.x + p % block_.width;
+  first_point_[p] = uint32_t(points_.size());
+  PathEnd end;
+  c_.paths.follow(found, ray, p, stream, points_, tally_.mirror_rays, end, record);
+  path_length_[p] = uint32_t(points_.size()) - first_point_[p];
+  return end;
+}
+
+void CentreLight::trace_samples(std::span<const uint32_t> pixels) {
+  PixelPlace places[kPacket];
   Ray rays[kPacket];
-  for (size_t i = 0; i < pixels.size(); ++i)
-    rays[i] = c_.camera.through(frame_.area.x + pixels[i] % block_.width + 0.5,
-                                frame_.area.y + pixels[i] / block_.width + 0.5);
   HitColumns found;
-  c_.geometry.find_surfaces(rays, uint32_t(pixels.size()), found);
+  for (size_t i = 0; i < pixels.size(); ++i)
+    places[i] = {frame_.area.x + pixels[i] % block_.width, frame_.area.y + pixels[i] / block_.width};
+  trace({places, pixels.size()}, rays, found);
   tally_.primary_rays += pixels.size();
   for (size_t i = 0; i < pixels.size(); ++i) {
-    const uint32_t p = pixels[i];
-    const uint64_t stream =
-        uint64_t(frame_.area.y + p / block_.width) * c_.settings.width + frame_.area.x + p % block_.width;
-    first_point_[p] = uint32_t(points_.size());
-    PathEnd end;
-    c_.paths.follow(found, uint32_t(i), p, stream, points_, tally_.mirror_rays, end);
-    path_length_[p] = uint32_t(points_.size()) - first_point_[p];
-    if (edge_between(end.first, pixels_[p].first)) frame_.edge[p] = 1;
+    const PathEnd end = follow(found, uint32_t(i), pixels[i], nullptr);
+    if (edge_between(end.first, pixels_[pixels[i]].first)) frame_.edge[pixels[i]] = 1;
   }
 }
 
@@ -75,6 +166,10 @@ void CentreLight::add_items(uint32_t p) {
     if (form_factor <= 0) continue;
     item_of(p, pair) = uint32_t(items_.size());
     items_.push_back(sampler_.make(point, l, form_factor));
+    const Slot& slot = frame_.of_pixel(p)[pair * lobes_];
+    items_.back().first_lit = slot.first_lit;
+    items_.back().first_dark = slot.first_dark;
+    items_.back().looked = slot.first_lit || slot.first_dark;
     sampler_.advance(items_.back(), next_level(0), tally_.light);
   }
 }
@@ -112,6 +207,44 @@ double CentreLight::value(uint32_t p, uint32_t pair) const {
   return sum * settings_.display_scale;
 }
 
+double CentreLight::slope(uint32_t p) const {
+  double slope = -1;
+  const auto sum = [this](uint32_t q) {
+    double all = 0;
+    for (uint32_t pair = 0; pair < pairs_; ++pair) all += value(q, pair);
+    return all;
+  };
+  const auto knows_all = [this](uint32_t q) {
+    for (uint32_t pair = 0; pair < pairs_; ++pair)
+      if (!knows(q, pair)) return false;
+    return true;
+  };
+  const double here = sum(p);
+  const uint32_t at[2] = {frame_.area.x + p % block_.width, frame_.area.y + p / block_.width};
+  for (int axis = 0; axis < 2; ++axis) {
+    const uint32_t stride = axis == 0 ? 1 : block_.width;
+    if (at[axis] % kTile > 0 && continues(p - stride, axis) && knows_all(p - stride))
+      slope = std::max(slope, std::abs(sum(p - stride) - here));
+    if ((at[axis] + 1) % kTile > 0 && p + stride < block_.pixels() && continues(p, axis) &&
+        knows_all(p + stride))
+      slope = std::max(slope, std::abs(sum(p + stride) - here));
+  }
+  return slope < 0 ? here : slope;
+}
+
+/// Of a pixel's centre; not where there are samples instead.
+bool CentreLight::knows(uint32_t p, uint32_t pair) const {
+  if (!pixels_[p].plain) return !frame_.edge[p];
+  return !uncertain(p, pair) || item_of(p, pair) != kNone;
+}
+
+/// The next pixel along an axis shows the same surface.
+bool CentreLight::continues(uint32_t p, int axis) const {
+  const uint32_t q = p + (axis == 0 ? 1 : block_.width);
+  if (pixels_[p].plain && pixels_[q].plain) return pixels_[q].joined & kJoinedTo[axis];
+  return !frame_.edge[p] && !frame_.edge[q];
+}
+
 /// How far the filtered value may be from the centre's: half the filter's second moment times the second
 /// differences along rows and columns, for whole pixels of the tile. At its edge the one further in and its
 /// change stand for it; where too few neighbours are known, first differences do.
@@ -121,10 +254,14 @@ double CentreLight::filter_error(uint32_t p, uint32_t pair, const Rectangle& til
   const double here = value(p, pair);
   double sum = 0;
   for (int axis = 0; axis < 2; ++axis) {
-    // Values from two pixels before to three behind; those of edges and outside the tile are not known.
+    // Values from two pixels before to three behind, on the same surface; those outside the tile are not
+    // known.
     const auto known = [&](int d) {
       const int i = int(at[axis]) + d;
-      return i >= 0 && i < int(size[axis]) && !frame_.edge[p + uint32_t(d) * stride[axis]];
+      if (i < 0 || i >= int(size[axis])) return false;
+      for (int k = std::min(d, 0); k < std::max(d, 0); ++k)
+        if (!continues(p + uint32_t(k) * stride[axis], axis)) return false;
+      return knows(p + uint32_t(d) * stride[axis], pair);
     };
     const auto at_distance = [&](int d) { return value(p + uint32_t(d) * stride[axis], pair); };
     const auto bend = [&](int d) { return at_distance(d - 1) - 2 * at_distance(d) + at_distance(d + 1); };
@@ -159,7 +296,7 @@ std::vector<uint32_t> CentreLight::keep_smooth(std::span<const uint32_t> pixels,
     (error > kFilterShare * settings_.tolerance ? bent : kept).push_back(p);
     if (!first) light_[p].error = std::hypot(light_[p].error, error);
   }
-  for (uint32_t p : bent) frame_.edge[p] = 1;
+  for (uint32_t p : bent) frame_.edge[p] = pixels_[p].bent = true;
   return kept;
 }
 
@@ -172,7 +309,8 @@ void CentreLight::refine(std::span<const uint32_t> pixels, const Rectangle& tile
     const FilteredPixel& pixel = pixels_[p];
     light_[p] = {};
     light_[p].radiance = pixel.fitted(frame_.of_pixel(p));
-    light_[p].error = pixel.charged / pixel.count;
+    light_[p].error =
+        pixel.charged / pixel.samples() + (pixel.centred() ? kKeptForSights * settings_.tolerance : 0);
     light_[p].points = pixel.light_points;
     for (uint32_t pair = 0; pair < pairs_; ++pair)
       if (item_of(p, pair) != kNone) items.push_back(&items_[item_of(p, pair)]);

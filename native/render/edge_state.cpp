@@ -48,7 +48,8 @@ void EdgeState::close_level(const FilteredPixel& pixel, std::span<const Slot> sl
                             const ErrorModel& model) {
   if (sights.has_new_rays()) close_rays(pixel, slots, model);
   if (pixel.count > closed) close_samples(pixel, slots, model);
-  unknown = unknown_variance(pixel.count, slots, model.display_scale) + sights.mean_variance(pixel.count);
+  unknown = (pixel.count > 0 ? unknown_variance(pixel.count, slots, model.display_scale) : 0) +
+            sights.mean_variance(pixel.count, slope);
 }
 
 void EdgeState::close_rays(const FilteredPixel& pixel, std::span<const Slot> slots, const ErrorModel& model) {

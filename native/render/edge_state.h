@@ -39,12 +39,22 @@ struct PartVariance {
 
 struct EdgeState {
   PixelSights sights;
-  uint32_t closed = 0;         // samples of the last level
-  bool shows_many = false;     // surfaces, now or before
-  PartVariance shares, light;  // of the surfaces in the pixel; of the light on them
-  double unknown = 0;          // variance of what neighbours can't help with, display units squared
-  LevelSums half, power;       // at the two powers of two before
+  uint32_t closed = 0;          // samples of the last level
+  bool shows_many = false;      // surfaces, now or before
+  double slope = -1;            // of light that is known without samples, display units a pixel
+  double centre_error = 0;      // reported of light at the pixel's centre, where that serves; display units
+  int32_t centre_surface = -1;  // number of the one there, if camera rays met it
+  PartVariance shares, light;   // of the surfaces in the pixel; of the light on them
+  double unknown = 0;           // variance of what neighbours can't help with, display units squared
+  LevelSums half, power;        // at the two powers of two before
 
+  bool is_of_centre(const SeenSurface& surface) const {
+    return centre_surface >= 0 && &surface == &sights.surfaces()[size_t(centre_surface)];
+  }
+  /// Of the pixel, that surface's; none.
+  double centre_share() const {
+    return centre_surface < 0 ? 0 : sights.share(sights.surfaces()[size_t(centre_surface)]);
+  }
   /// Half of the first level is done.
   void remember_power(const FilteredPixel& pixel, std::span<const Slot> slots);
   /// After the samples, or the rays, or both up to a level: what they tell of the variances. Remembers the

@@ -27,6 +27,8 @@ class FilteredBlock {
   std::span<Slot> slots(uint32_t p) { return frame_.of_pixel(p); }
   /// Penumbra on a smooth surface: rays from the centre serve.
   bool is_smooth(uint32_t p) const { return frame_.uncertain[p] && !frame_.edge[p]; }
+  /// Penumbra on the one surface that an edge shows so far: they serve, too.
+  bool has_penumbra(uint32_t p) const;
   template <typename Function>
   void for_quads(Function function);
   template <typename Function>
@@ -34,6 +36,7 @@ class FilteredBlock {
   void first_look();
   void compare(uint32_t p);
   void mark_uncertain(uint32_t p, uint32_t s);
+  bool is_bent(uint32_t p) const;
   void find_uncertain();
   void flood();
   void start(std::span<const uint32_t> quad, int margin);
@@ -61,7 +64,7 @@ FilteredBlock::FilteredBlock(const RenderContext& context, const Rectangle& core
       pixels_(context.memory),
       frame_(make_frame(context, area_, block_)),
       samples_(context, frame_, pixels_, tally),
-      centres_(context, block_, frame_, pixels_, tally),
+      centres_(context, block_, frame_, pixels_, tally, samples_.parts()),
       edges_(context, block_, frame_, pixels_, samples_) {
   pixels_.resize(block_.pixels());
   if (tally.light.trace) aim(*tally.light.trace, area_);
@@ -72,11 +75,14 @@ void FilteredBlock::run() {
   find_uncertain();
   flood();
   for_tiles([this](const Rectangle& tile) {
-    centres_.refine(pixels_of(tile, [this](uint32_t p) { return is_smooth(p); }), tile);
+    centres_.refine(pixels_of(tile, [this](uint32_t p) { return is_smooth(p) || has_penumbra(p); }), tile);
   });
+  for (uint32_t p = 0; p < block_.pixels(); ++p)
+    if (block_.in_core(p, 0) && has_penumbra(p) && !pixels_[p].bent)
+      edges_.set_centre(p, centres_.light(p), centres_.slope(p));
   for_quads([this](std::span<const uint32_t> quad) { edges_.start(quad, 0); });
   for_tiles([this](const Rectangle& tile) {
-    edges_.refine(pixels_of(tile, [this](uint32_t p) { return frame_.edge[p]; }));
+    edges_.refine(pixels_of(tile, [this](uint32_t p) { return frame_.edge[p]; }), tile);
   });
   write();
   if (PixelTrace* trace = tally_.light.trace) tell(*trace);
@@ -107,27 +113,71 @@ void FilteredBlock::for_tiles(Function function) {
                          std::min(kTile, block_.core_height - y)});
 }
 
-/// Four samples of every pixel; edges between it and its neighbours are found while those are in the cache.
+/// Every pixel's centre, and camera rays around it, where that is plain, else four samples. Edges between it
+/// and its neighbours are found while those are in the cache.
 void FilteredBlock::first_look() {
-  for_quads([this](std::span<const uint32_t> quad) {
-    samples_.trace_each(quad, 0, kFirstSamples);
-    for (uint32_t p : quad) compare(p);
+  for_packets_of_pixels(area_, [this](std::span<const PixelPlace> places) {
+    const bool may_be_plain = !c_.pixel_rays.spread();
+    if (may_be_plain) centres_.look(places);
+    uint32_t pixels[kPacket], count = 0;
+    for (const PixelPlace& place : places) {
+      const uint32_t bx = place.x - area_.x, by = place.y - area_.y;  // wraps below the area
+      if (bx < block_.width && by < block_.height) pixels[count++] = by * block_.width + bx;
+    }
+    const auto is_plain = [this](uint32_t p) { return pixels_[p].plain; };
+    samples_.look_around({pixels, std::stable_partition(pixels, pixels + count, is_plain)});
+    samples_.trace_each({std::stable_partition(pixels, pixels + count, is_plain), pixels + count}, 0,
+                        kFirstSamples);
+    for (const PixelPlace& place : places) {
+      const uint32_t bx = place.x - area_.x, by = place.y - area_.y;
+      if (bx < block_.width && by < block_.height) compare(by * block_.width + bx);
+    }
+    if (may_be_plain) centres_.look_at_lights(false);
   });
+  centres_.look_at_lights(true);
 }
 
 /// With the pixels left and below, which were looked at before.
 void FilteredBlock::compare(uint32_t p) {
-  const auto edge = [&](uint32_t q) {
-    frame_.edge[q] = frame_.edge[q] || edge_between(pixels_[q].first, pixels_[p].first);
+  FilteredPixel& pixel = pixels_[p];
+  const auto compare_with = [&](uint32_t q, uint8_t side) {
+    const FilteredPixel& other = pixels_[q];
+    if (edge_between(other.first, pixel.first))
+      frame_.edge[q] = frame_.edge[p] = 1;
+    else if (pixel.plain && other.plain && pixel.material == other.material)
+      pixel.joined |= side;
   };
-  if (p % block_.width > 0) edge(p - 1);
-  if (p >= block_.width) edge(p - block_.width);
+  if (p % block_.width > 0) compare_with(p - 1, kJoinedTo[0]);
+  if (p >= block_.width) compare_with(p - block_.width, kJoinedTo[1]);
+}
+
+/// Unshadowed light at a plain pixel's centre is not what the filter would make of it, as far as its
+/// neighbours' tell: half the filter's second moment times the second differences; at the frame's border one
+/// further in stands for it.
+bool FilteredBlock::is_bent(uint32_t p) const {
+  const uint32_t at[2] = {p % block_.width, p / block_.width}, size[2] = {block_.width, block_.height},
+                 stride[2] = {1, block_.width};
+  Vec3d sum;
+  for (int axis = 0; axis < 2; ++axis) {
+    if (size[axis] < 3) continue;
+    const uint32_t middle = p + (at[axis] == 0) * stride[axis] - (at[axis] + 1 == size[axis]) * stride[axis];
+    const Vec3d &a = pixels_[middle - stride[axis]].centre_light, &b = pixels_[middle].centre_light,
+                &c = pixels_[middle + stride[axis]].centre_light;
+    const Vec3d bend = a - b * 2 + c;
+    sum += Vec3d{std::abs(bend.x), std::abs(bend.y), std::abs(bend.z)};
+  }
+  return 0.5 * c_.filter.variance() * max_component(sum) * std::exp2(c_.settings.exposure) >
+         kBendShare * c_.settings.error_tolerance;
 }
 
 void FilteredBlock::find_uncertain() {
   std::vector<uint8_t>& edges = frame_.edge;
+  const double display_scale = std::exp2(c_.settings.exposure);
   for (uint32_t p = 0; p < block_.pixels(); ++p)
-    edges[p] = edges[p] || frame_.uncertain[p] || c_.pixel_rays.spread();
+    if (pixels_[p].plain)
+      pixels_[p].slopes = plain_slopes(pixels_, block_.width, p, c_.filter.variance(), display_scale);
+  for (uint32_t p = 0; p < block_.pixels(); ++p)
+    edges[p] = edges[p] || frame_.uncertain[p] || c_.pixel_rays.spread() || (pixels_[p].plain && is_bent(p));
   spread(edges, block_.width, block_.height, c_.filter.reach());
   frame_.uncertain = edges;
   Reused<uint8_t> flags(c_.memory, block_.pixels()), blind(c_.memory, block_.pixels());
@@ -173,11 +223,20 @@ void FilteredBlock::flood() {
 /// A quad's uncertain pixels, of those so far from the core at most: rays from the centre where the surface
 /// is smooth, else samples.
 void FilteredBlock::start(std::span<const uint32_t> quad, int margin) {
-  uint32_t smooth[4], count = 0;
-  for (uint32_t p : quad)
-    if (is_smooth(p) && block_.in_core(p, margin)) smooth[count++] = p;
-  centres_.start({smooth, count});
+  const auto start_centres = [&](auto condition) {
+    uint32_t pixels[4], count = 0;
+    for (uint32_t p : quad)
+      if (condition(p) && block_.in_core(p, margin)) pixels[count++] = p;
+    centres_.start({pixels, count});
+  };
+  start_centres([this](uint32_t p) { return is_smooth(p); });
   edges_.start(quad, margin);
+  start_centres([this](uint32_t p) { return has_penumbra(p); });
+}
+
+bool FilteredBlock::has_penumbra(uint32_t p) const {
+  return frame_.edge[p] && pixels_[p].centred() &&
+         std::ranges::any_of(frame_.of_pixel(p), [](const Slot& slot) { return slot.uncertain; });
 }
 
 /// The tile's pixels (of the block) for which a condition holds.

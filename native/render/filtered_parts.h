@@ -11,7 +11,11 @@ class FilteredParts {
  public:
   FilteredParts(const RenderContext& context, const FilteredFrame& frame, uint32_t pixels);
 
-  /// A pixel forgets its samples.
+  /// Where the path of a plain pixel's centre writes, as if it were a sample.
+  PathRecord record_of_centre(uint32_t p);
+  /// Sums of what a plain pixel's centre sees beside its slots' light.
+  std::span<Vec3d> of_centre(uint32_t p);
+  /// A pixel forgets its samples, or what its centre saw.
   void begin(uint32_t p);
   /// Adds a packet's samples to their pixels.
   void add(const SamplePacket& packet, std::span<const SampleRun> runs);
@@ -24,10 +28,12 @@ class FilteredParts {
 
  private:
   std::vector<Vec3d> parts_of(uint32_t p, const FilteredPixel& pixel, const CentreLight& centres) const;
+  std::vector<MatteHit> mattes_of(uint32_t p, const FilteredPixel& pixel) const;
+  void add_slots(uint32_t p, const FilteredPixel& pixel, bool sampled, std::span<Vec3d> parts) const;
 
   const RenderContext& c_;
   const FilteredFrame& frame_;
-  LightParts sums_, fitted_;  // over the samples; at the pixel's centre
+  LightParts sums_, fitted_;  // over the samples, or of the centre; at the centre by samples
   std::vector<Vec3d>
       mirrored_;  // of each slot's unshadowed sum, what came by way of mirrors; if there are any
   std::vector<std::vector<MatteHit>> mattes_;

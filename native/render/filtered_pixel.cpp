@@ -22,6 +22,29 @@ bool edge_between(const FirstSight& a, const FirstSight& b) {
   return off * off > kEdgeSlope * kEdgeSlope * dot(between, between);
 }
 
+/// The filtered value of a smooth function differs from that at the centre by half the filter's second moment
+/// times the second derivatives: by differences along both axes; by the first one next to an edge.
+PlainSlopes plain_slopes(std::span<const FilteredPixel> pixels, uint32_t block_width, uint32_t p,
+                         double filter_variance, double display_scale) {
+  const uint32_t at[2] = {p % block_width, p / block_width},
+                 size[2] = {block_width, uint32_t(pixels.size()) / block_width}, stride[2] = {1, block_width};
+  double slope = 0;
+  Vec3d bends;
+  for (int axis = 0; axis < 2; ++axis) {
+    if (size[axis] == 1) continue;
+    Vec3d before, behind;  // steps
+    const bool has_before = at[axis] > 0 && (pixels[p].joined & kJoinedTo[axis]),
+               has_behind = at[axis] + 1 < size[axis] && (pixels[p + stride[axis]].joined & kJoinedTo[axis]);
+    if (!has_before && !has_behind) return {0, INFINITY};
+    if (has_before) before = pixels[p].centre_light - pixels[p - stride[axis]].centre_light;
+    if (has_behind) behind = pixels[p + stride[axis]].centre_light - pixels[p].centre_light;
+    slope = std::max({slope, max_abs(before), max_abs(behind)});
+    const Vec3d bend = behind - before;
+    bends += {std::abs(bend.x), std::abs(bend.y), std::abs(bend.z)};
+  }
+  return {float(slope * display_scale), float(0.5 * filter_variance * max_component(bends) * display_scale)};
+}
+
 PlaneFit::PlaneFit(const double* px, const double* py) {
   double x = 0, y = 0, xx = 0, xy = 0, yy = 0;
   for (uint32_t i = 0; i < kFirstSamples; ++i) {
@@ -45,20 +68,23 @@ PlaneFit::PlaneFit(const double* px, const double* py) {
 }
 
 Vec3d FilteredPixel::estimate(std::span<const Slot> slots) const {
-  Vec3d sum = background / count;
-  for (const Slot& slot : slots) sum += slot.radiance(slot.now, count);
+  Vec3d sum;
+  if (count > 0) {
+    sum = background / count;
+    for (const Slot& slot : slots) sum += slot.radiance(slot.now, count);
+  }
   return edge ? sum + edge->sights.correction(count).value : sum;
 }
 
 double FilteredPixel::opacity() const {
-  const double mean = alpha / count;
+  const double mean = count > 0 || !edge ? alpha / samples() : 0;
   return edge ? std::clamp(mean + edge->sights.correction(count).alpha, 0.0, 1.0) : mean;
 }
 
 Vec3d FilteredPixel::unshadowed(std::span<const Slot> slots) const {
   Vec3d sum = background;
   for (const Slot& slot : slots) sum += slot.now.unshadowed;
-  return sum / count;
+  return sum / samples();
 }
 
 Vec3d same_side(const Vec3d& plane, const Vec3d& samples) {
@@ -80,7 +106,7 @@ void tell(PixelTrace& trace, const FilteredPixel& pixel, std::span<const Slot> s
     if (slot.now.unshadowed == Vec3d{} || (smooth && slot.uncertain)) continue;
     const char* decision = slot.uncertain ? "may be in penumbra" : slot.lit ? "wholly seen" : "wholly hidden";
     trace.decisions.push_back({s / lobes / luminaires, s / lobes % luminaires, decision, pixel.count,
-                               slot.radiance(slot.now, pixel.count)});
+                               slot.radiance(slot.now, pixel.samples())});
   }
 }
 

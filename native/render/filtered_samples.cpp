@@ -22,6 +22,13 @@ void for_packets(std::span<const uint32_t> pixels, uint32_t first, uint32_t coun
   }
 }
 
+/// A ray told how much of a slot's luminaire is visible.
+void see(Slot& slot, double visible) {
+  slot.lit = slot.lit || visible > 0;
+  slot.dark = slot.dark || visible < 1;
+  slot.uncertain = slot.uncertain || (slot.lit && slot.dark);
+}
+
 }  // namespace
 
 FilteredSamples::FilteredSamples(const RenderContext& context, FilteredFrame& frame,
@@ -50,19 +57,85 @@ void FilteredSamples::look_each(std::span<const uint32_t> pixels, uint32_t first
       PixelSights& sights = pixels_[run.pixel].edge->sights;
       for (uint32_t i = 0; i < run.count; ++i, ++lane) {
         const uint32_t index = run.first + i;
-        sights.count_ray(sights.surface_of(c_.geometry, packet_.hits[lane], index), index);
+        sights.count_ray(sights.surface_of(c_.geometry, packet_.hits[lane]), index);
       }
     }
   });
 }
 
-void FilteredSamples::probe_surfaces(uint32_t p) {
-  PixelSights& sights = pixels_[p].edge->sights;
+void FilteredSamples::look_around(std::span<const uint32_t> pixels) {
+  for_packets(pixels, 0, kFirstSamples, [this](std::span<const SampleRun> runs) {
+    packet_.look(runs);
+    uint32_t lane = 0;
+    for (const SampleRun& run : runs) {
+      FilteredPixel& pixel = pixels_[run.pixel];
+      std::copy_n(packet_.hits + lane, kFirstSamples, pixel.met);
+      bool more = false;
+      for (const uint32_t end = lane + kFirstSamples; lane < end; ++lane)
+        more = more || sees_more(pixel, lane);
+      frame_.uncertain[run.pixel] = pixel.sees_more = more;
+      if (pixel.plain) continue;
+      pixel.begin();
+      pixel.background_fitted = {};
+      if (parts_) parts_->begin(run.pixel);
+    }
+  });
+}
+
+/// Does a ray see more than the centre? Facets of a flat surface make the pixel one that is not plain.
+bool FilteredSamples::sees_more(FilteredPixel& pixel, uint32_t lane) const {
+  const Primitive met(packet_.hits[lane]);
+  if (!(met == pixel.centre)) {
+    const Facet there = c_.geometry.facet_of(met), here = c_.geometry.facet_of(pixel.centre);
+    if (!same_surface(there, here)) return true;
+    pixel.plain = pixel.plain && step_between(there, here) <= kBendShare * tolerance_;
+  }
+  return packet_.lights_seen(lane) != pixel.first.lights;
+}
+
+void FilteredSamples::probe_surfaces(std::span<const uint32_t> pixels) {
+  SampleRun runs[kPacket];
+  SeenSurface* surfaces[kPacket];
+  uint32_t count = 0;
+  const auto trace = [&] {
+    if (count == 0) return;
+    packet_.trace({runs, count});
+    for (uint32_t i = 0; i < count; ++i) {
+      add_value(*surfaces[i], i);
+      if (pixels_[runs[i].pixel].count == 0) note_visibility(runs[i].pixel, i);
+    }
+    count = 0;
+  };
+  for (uint32_t p : pixels) {
+    const bool in_penumbra = std::ranges::any_of(slots(p), [](const Slot& slot) { return slot.uncertain; });
+    for (SeenSurface& surface : pixels_[p].edge->sights.surfaces()) {
+      const bool one_does = pixels_[p].count > 0 || pixels_[p].edge->is_of_centre(surface);
+      const uint32_t wanted = one_does ? 1 : surface.wanted_values(in_penumbra);
+      for (uint32_t k = surface.valued; k < wanted; ++k) {
+        surfaces[count] = &surface;
+        runs[count++] = {p, surface.indices[k], 1, true};
+        if (count == kPacket) trace();
+      }
+    }
+  }
+  trace();
+}
+
+/// What a sample tells of a pixel's luminaires.
+void FilteredSamples::note_visibility(uint32_t p, uint32_t lane) {
+  for (const SlotColumns& column : packet_.contributions())
+    if (column.arrives(lane) && column.traced(lane))
+      see(slots(p)[column.slot], packet_.visible(column, lane));
+}
+
+void FilteredSamples::add_centre(uint32_t p) {
+  const FilteredPixel& pixel = pixels_[p];
+  PixelSights& sights = pixel.edge->sights;
+  const Facet facet = c_.geometry.facet_of(pixel.centre);
   for (uint32_t k = 0; k < sights.surfaces().size(); ++k) {
-    if (sights[k].valued > 0) continue;
-    const SampleRun run{p, sights[k].index, 1};
-    packet_.trace({&run, 1});
-    add_value(sights[k], 0);
+    if (!same_surface(sights[k].facet, facet)) continue;
+    pixel.edge->centre_surface = int32_t(k);
+    return sights[k].add_value({pixel.fitted(slots(p)), pixel.alpha}, display_scale_);
   }
 }
 
@@ -112,16 +185,14 @@ void FilteredSamples::add_to(Slot& slot, const SlotColumns& column, uint32_t lan
     ++slot.rays;
     slot.now.w += column.weight[lane];
     slot.now.wv += visible * column.weight[lane];
-    slot.lit = slot.lit || visible > 0;
-    slot.dark = slot.dark || visible < 1;
-    slot.uncertain = slot.uncertain || (slot.lit && slot.dark);
+    see(slot, visible);
   }
 }
 
 /// A whole sample at an edge belongs to the surface that it meets.
 void FilteredSamples::add_sight(FilteredPixel& pixel, uint32_t lane, uint32_t index) const {
   PixelSights& sights = pixel.edge->sights;
-  const uint32_t k = sights.surface_of(c_.geometry, packet_.hits[lane], index);
+  const uint32_t k = sights.surface_of(c_.geometry, packet_.hits[lane]);
   SeenSurface& surface = sights[k];
   sights.count_ray(k, index);
   ++surface.samples.now;
@@ -129,13 +200,7 @@ void FilteredSamples::add_sight(FilteredPixel& pixel, uint32_t lane, uint32_t in
 }
 
 void FilteredSamples::add_value(SeenSurface& surface, uint32_t lane) const {
-  const Vec3d value = packet_.value(lane);
-  const double x = max_component(value) * display_scale_;
-  ++surface.valued;
-  surface.value += value;
-  surface.alpha += packet_.ends[lane].alpha;
-  surface.x += x;
-  surface.xx += x * x;
+  surface.add_value({packet_.value(lane), packet_.ends[lane].alpha}, display_scale_);
   if (parts_) parts_->add_value(surface, packet_, lane);
 }
 

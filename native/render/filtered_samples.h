@@ -16,18 +16,25 @@ class FilteredSamples {
   void trace_each(std::span<const uint32_t> pixels, uint32_t first, uint32_t count);
   /// Their camera rays alone.
   void look_each(std::span<const uint32_t> pixels, uint32_t first, uint32_t count);
-  /// One value of each surface in the pixel that no sample of known value met.
-  void probe_surfaces(uint32_t p);
+  /// The camera rays alone of plain pixels' first samples: whether they see the same as the centre, and
+  /// whether the pixels stay plain.
+  void look_around(std::span<const uint32_t> pixels);
+  /// One value of each surface in at most four pixels that no sample of known value met.
+  void probe_surfaces(std::span<const uint32_t> pixels);
+  /// A plain pixel's centre is a value of the surface that it met.
+  void add_centre(uint32_t p);
   /// All that the pixel's samples told, but what its camera rays met.
   void forget(uint32_t p);
 
   /// What passes want to know; null: nothing.
-  const FilteredParts* parts() const { return parts_.get(); }
+  FilteredParts* parts() { return parts_.get(); }
 
  private:
   std::span<Slot> slots(uint32_t p) { return frame_.of_pixel(p); }
   void add_light(std::span<const SampleRun> runs);
   void add_to(Slot& slot, const SlotColumns& column, uint32_t lane, uint32_t count) const;
+  void note_visibility(uint32_t p, uint32_t lane);
+  bool sees_more(FilteredPixel& pixel, uint32_t lane) const;
   void add_sight(FilteredPixel& pixel, uint32_t lane, uint32_t index) const;
   void add_value(SeenSurface& surface, uint32_t lane) const;
   void fit_plane(const SampleRun& run, uint32_t lane);

@@ -101,6 +101,21 @@ void PathTracer::see_luminaires(const Ray& ray, double t_far, bool blocked, cons
   }
 }
 
+bool PathTracer::is_plain(const Hit& hit) const {
+  if (!hit.found()) return !scene_.background().seen_by_camera || !scene_.background().environment;
+  const uint32_t material = geometry_.material_of(hit);
+  return ends_paths_[material] && !geometry_.traits_of(hit.instance).holdout &&
+         !scene_.materials()[material].may_be_glossy();
+}
+
+uint64_t PathTracer::lights_seen(const Ray& ray, const Hit& hit) const {
+  const SightLine line{ray.origin, ray.direction, ray.t_near, hit.found() ? hit.t : ray.t_far, hit.found()};
+  uint64_t lights = 0;
+  for (size_t i = 0; i < seen_.size(); ++i)
+    if (seen_[i].role().to_camera && seen_[i].seen_along(line) > 0) lights |= uint64_t{1} << i % 64;
+  return lights;
+}
+
 /// The data passes show that surface; t: of the primary ray before.
 void PathTracer::see(const SurfacePoint& surface, const Hit& hit, double t, PathEnd& end) const {
   end.first.hit = true;

@@ -43,6 +43,12 @@ class PathTracer {
               std::vector<LitPoint>& points, uint64_t& mirror_rays, PathEnd& end,
               const PathRecord* record = nullptr) const;
 
+  /// One camera ray tells what a pixel sees there without noise: it meets one surface of constant colours
+  /// that only reflects light, in all directions alike, or the same background as all others.
+  bool is_plain(const Hit& hit) const;
+  /// Which luminaires a camera ray that meets this sees themselves, as in FirstSight::lights.
+  uint64_t lights_seen(const Ray& ray, const Hit& hit) const;
+
  private:
   struct Part;
   void leave(const Part& part, PathEnd& end, const PathRecord* record) const;

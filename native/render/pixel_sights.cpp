@@ -13,19 +13,32 @@ namespace {
 /// Surfaces that are told apart in one pixel.
 constexpr size_t kMostSurfaces = 6;
 
+/// Of a surface's middle in the pixel from a place where it was met, pixels.
+constexpr double kPlaceDeviation = 0.5;
+
 }  // namespace
 
-uint32_t PixelSights::surface_of(const Geometry& geometry, const Primitive& met, uint32_t index) {
+uint32_t PixelSights::surface_of(const Geometry& geometry, const Primitive& met) {
   for (uint32_t i = 0; i < surfaces_.size(); ++i)
-    if (surfaces_[i].facet.primitive == met) return i;
+    if (surfaces_[i].facet.primitive == met || surfaces_[i].last == met) return i;
   const Facet facet = geometry.facet_of(met);
   for (uint32_t i = 0; i < surfaces_.size(); ++i)
-    if (same_surface(surfaces_[i].facet, facet)) return i;
+    if (same_surface(surfaces_[i].facet, facet)) {
+      surfaces_[i].last = met;
+      surfaces_[i].step = std::max(surfaces_[i].step, step_between(surfaces_[i].facet, facet));
+      return i;
+    }
   if (surfaces_.size() == kMostSurfaces) return kMostSurfaces - 1;
   SeenSurface& surface = surfaces_.emplace_back();
   surface.facet = facet;
-  surface.index = index;
+  surface.last = met;
   return uint32_t(surfaces_.size()) - 1;
+}
+
+void PixelSights::begin(const Geometry& geometry, const Primitive& met, uint32_t rays) {
+  SeenSurface& surface = surfaces_[surface_of(geometry, met)];
+  for (uint32_t i = 0; i < kMostProbes; ++i) surface.indices[i] = i;
+  surface.rays.now = rays_ = rays;
 }
 
 bool PixelSights::shows_many() const {
@@ -34,7 +47,9 @@ bool PixelSights::shows_many() const {
 
 void PixelSights::count_ray(uint32_t surface, uint32_t index) {
   if (index < rays_) return;
-  ++surfaces_[surface].rays.now;
+  LevelCounts& rays = surfaces_[surface].rays;
+  if (rays.now < kMostProbes) surfaces_[surface].indices[rays.now] = index;
+  ++rays.now;
   rays_ = index + 1;
 }
 
@@ -74,12 +89,16 @@ double PixelSights::spread_within() const {
   return sum / valued;
 }
 
-double PixelSights::mean_variance(uint32_t samples) const {
+double PixelSights::mean_variance(uint32_t samples, double slope) const {
   double sum = 0;
   for (const SeenSurface& s : surfaces_) {
-    const double w = weight(s, samples);
-    // Without an own spread, its value's square.
-    sum += w * w * (s.valued > 1 ? s.spread() : s.xx) / s.valued;
+    const double w = weight(s, samples), inside = double(s.rays.now) / rays_;
+    // Without an own spread, what the slope tells of two places in the pixel, of which one is the centre of a
+    // surface that fills it; or its value's square.
+    const double sloped = slope * (1 - inside) * kPlaceDeviation;
+    const double own = s.valued > 1 ? s.spread() * s.valued / (s.valued - 1) : 0;
+    sum +=
+        w * w * (slope < 0 ? (s.valued > 1 ? s.spread() : s.xx) : std::max(own, sloped * sloped)) / s.valued;
   }
   return sum;
 }

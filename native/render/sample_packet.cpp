@@ -137,7 +137,7 @@ void SamplePacket::trace(std::span<const SampleRun> runs) {
 }
 
 /// The runs' camera rays; returns their number.
-uint32_t SamplePacket::make_rays(std::span<const SampleRun> runs, Ray* rays) {
+uint32_t SamplePacket::make_rays(std::span<const SampleRun> runs) {
   PixelSamples samples[kPacket];
   uint32_t lane = 0;
   for (size_t r = 0; r < runs.size(); ++r) {
@@ -146,28 +146,26 @@ uint32_t SamplePacket::make_rays(std::span<const SampleRun> runs, Ray* rays) {
     samples[r] = {frame_.area.x + run.pixel % frame_.block_width,
                   frame_.area.y + run.pixel / frame_.block_width,
                   {frame, run.first, run.count}};
-    for (uint32_t i = 0; i < run.count; ++i) lanes_[lane++] = {run.pixel, run.first + i, frame};
+    for (uint32_t i = 0; i < run.count; ++i) lanes_[lane++] = {run.pixel, run.first + i, frame, run.all};
   }
-  c_.pixel_rays.make({samples, runs.size()}, rays, dx, dy);
+  c_.pixel_rays.make({samples, runs.size()}, rays_, dx, dy);
   tally_.primary_rays += lane;
   return lane;
 }
 
 void SamplePacket::look(std::span<const SampleRun> runs) {
   tally_.light.stop_if_cancelled();
-  Ray rays[kPacket];
-  const uint32_t count = make_rays(runs, rays);
-  c_.geometry.intersect(rays, (1u << count) - 1, hits);
+  const uint32_t count = make_rays(runs);
+  c_.geometry.intersect(rays_, (1u << count) - 1, hits);
 }
 
 /// Camera rays, and the surface points that they see.
 void SamplePacket::find_points(std::span<const SampleRun> runs) {
-  Ray rays[kPacket];
-  const uint32_t lane = make_rays(runs, rays);
+  const uint32_t lane = make_rays(runs);
   std::fill_n(charge, lane, 0.0);
   std::fill_n(rays_of, lane, 0u);
   HitColumns found;
-  c_.geometry.find_surfaces(rays, lane, found);
+  c_.geometry.find_surfaces(rays_, lane, found);
   std::copy_n(found.hits, lane, hits);
   points_.clear();
   const bool recorded = c_.extras.any();
@@ -205,7 +203,7 @@ void SamplePacket::place_on_light(std::span<const SampleRun> runs, uint32_t lumi
 /// surfaces may hide luminaires from a part of the pixel that no sample has met yet: there another ray a
 /// sample looks at one luminaire after the other.
 bool SamplePacket::wants_ray(const Lane& lane, const Slot& slot, uint32_t luminaire) const {
-  if (lane.index < kFirstSamples || slot.uncertain) return true;
+  if (lane.index < kFirstSamples || lane.all || slot.uncertain) return true;
   return frame_.edge[lane.pixel] && (lane.index + luminaire) % luminaires_ == 0;
 }
 

@@ -15,6 +15,7 @@ namespace penumbra {
 struct SampleRun {
   uint32_t pixel;  // of the block
   uint32_t first, count;
+  bool all = false;  // with rays to all luminaires
 };
 
 /// What a packet's samples get from one slot, by lane.
@@ -68,6 +69,8 @@ class SamplePacket {
   void trace(std::span<const SampleRun> runs);
   /// The camera rays of at most kPacket samples, and what they meet first, alone.
   void look(std::span<const SampleRun> runs);
+  /// Which luminaires one of them sees itself.
+  uint64_t lights_seen(uint32_t lane) const { return c_.paths.lights_seen(rays_[lane], hits[lane]); }
 
   // Of the last packet, by lane:
   double dx[kPacket], dy[kPacket];  // place, pixels from the pixel's centre
@@ -99,10 +102,11 @@ class SamplePacket {
   struct Lane {
     uint32_t pixel, index;
     uint64_t frame_pixel;
+    bool all;
   };
   struct Batch;
   uint64_t frame_pixel(uint32_t p) const;
-  uint32_t make_rays(std::span<const SampleRun> runs, Ray* rays);
+  uint32_t make_rays(std::span<const SampleRun> runs);
   void find_points(std::span<const SampleRun> runs);
   void light(std::span<const SampleRun> runs, uint32_t luminaire, const Batch& batch,
              const ShadowOrigins& origins);
@@ -131,6 +135,7 @@ class SamplePacket {
   uint32_t luminaires_, lobes_;
   ShadowQueue queue_;
   Lane lanes_[kPacket];
+  Ray rays_[kPacket];
   std::vector<LitPoint> points_;  // LitPoint::pixel is the lane
   std::vector<SlotColumns> contributions_;
   std::vector<int32_t> column_of_;  // by slot: its number among them

@@ -26,8 +26,9 @@ struct Slot {
   Vec3d fitted;  // unshadowed radiance at the pixel's centre, by a plane through the first samples
   bool lit = false, dark = false;  // seen by some ray
   bool uncertain = false;
-  bool split = false;  // each sample looks at as many points as a packet holds
-  uint32_t rays = 0;   // samples whose point on the luminaire was above the horizon, and looked at
+  bool split = false;                     // each sample looks at as many points as a packet holds
+  uint8_t first_lit = 0, first_dark = 0;  // bits of the points that the pixel's centre looked at
+  uint32_t rays = 0;  // samples whose point on the luminaire was above the horizon, and looked at
 
   Slot() {}  // without it a vector of them is zeroed once more
   /// Radiance from `s`, sums over `count` samples: unshadowed mean x visible fraction.

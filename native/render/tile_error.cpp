@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "render/tile_error.h"
 
-#include <cstdlib>
+#include <algorithm>
 
 #include "lighting/pooled_error.h"
 
@@ -20,8 +20,14 @@ constexpr double kNegligible = 0.1;
 }  // namespace
 
 TileError::TileError(const std::vector<FilteredPixel>& pixels, const FilteredFrame& frame,
-                     std::span<const uint32_t> edges, double tolerance)
-    : pixels_(pixels), frame_(frame), edges_(edges), tolerance_(tolerance) {}
+                     const Rectangle& tile, std::span<const uint32_t> edges, double tolerance)
+    : pixels_(pixels),
+      frame_(frame),
+      edges_(edges),
+      tolerance_(tolerance),
+      x_(tile.x),
+      y_(tile.y),
+      of_blocks_(kTile * kTile) {}
 
 void TileError::learn() {
   constexpr double kExpected = kPixelCalibration.smoothed * kPixelCalibration.smoothed;
@@ -32,23 +38,29 @@ void TileError::learn() {
     if (part.expected > negligible) pooled.add(part.by_blocks / part.expected);
   };
   for (uint32_t p : edges_) {
-    add(shares, pixels_[p].edge->shares);
-    add(light, pixels_[p].edge->light);
+    const EdgeState& edge = *pixels_[p].edge;
+    add(shares, edge.shares);
+    add(light, edge.light);
+    at(p) = {true, pixels_[p].count > 0, {edge.shares.by_blocks, edge.light.by_blocks}};
   }
   smoothed_ = {shares.mean(), light.mean()};
 }
 
 PixelVariance TileError::of(uint32_t p) const {
-  const int width = int(frame_.block_width), x = int(p) % width, y = int(p) / width;
   const EdgeState& edge = *pixels_[p].edge;
   PooledVariance shares(smoothed_.shares * edge.shares.expected, kPixelCalibration.prior_weight),
       light(smoothed_.light * edge.light.expected, kPixelCalibration.prior_weight);
-  for (uint32_t q : edges_) {
-    if (std::abs(int(q) % width - x) > kPool || std::abs(int(q) / width - y) > kPool) continue;
-    shares.add(pixels_[q].edge->shares.by_blocks);
-    light.add(pixels_[q].edge->light.by_blocks);
+  const int x = int(p % frame_.block_width - x_), y = int(p / frame_.block_width - y_);
+  for (int row = std::max(y - kPool, 0); row <= std::min(y + kPool, int(kTile) - 1); ++row) {
+    for (int column = std::max(x - kPool, 0); column <= std::min(x + kPool, int(kTile) - 1); ++column) {
+      const OfBlocks& other = of_blocks_[size_t(row) * kTile + size_t(column)];
+      if (!other.edge) continue;
+      shares.add(other.variance.shares);
+      if (other.sampled) light.add(other.variance.light);
+    }
   }
-  return {shares.mean() * edge.shares.fall, light.mean() * edge.light.fall + edge.unknown};
+  const bool sampled = pixels_[p].count > 0;
+  return {shares.mean() * edge.shares.fall, (sampled ? light.mean() * edge.light.fall : 0) + edge.unknown};
 }
 
 }  // namespace penumbra

@@ -14,8 +14,8 @@ struct PixelVariance {
 
 class TileError {
  public:
-  /// edges: the tile's pixels that get samples all over the filter.
-  TileError(const std::vector<FilteredPixel>& pixels, const FilteredFrame& frame,
+  /// edges: the tile's pixels that have edge states.
+  TileError(const std::vector<FilteredPixel>& pixels, const FilteredFrame& frame, const Rectangle& tile,
             std::span<const uint32_t> edges, double tolerance);
 
   /// How edges converge here is learned from the blocks of all pixels, beginning with the calibration's
@@ -24,12 +24,23 @@ class TileError {
 
   PixelVariance of(uint32_t pixel) const;
 
- public:
+ private:
+  /// What a pixel's blocks tell.
+  struct OfBlocks {
+    bool edge = false, sampled = false;
+    PixelVariance variance = {};
+  };
+  OfBlocks& at(uint32_t pixel) {
+    return of_blocks_[(pixel / frame_.block_width - y_) * kTile + pixel % frame_.block_width - x_];
+  }
+
   const std::vector<FilteredPixel>& pixels_;
   const FilteredFrame& frame_;
   std::span<const uint32_t> edges_;
   double tolerance_;
-  PixelVariance smoothed_ = {};  // as shares of what is expected
+  uint32_t x_, y_;                   // of the tile
+  std::vector<OfBlocks> of_blocks_;  // by place in it
+  PixelVariance smoothed_ = {};      // as shares of what is expected
 };
 
 }  // namespace penumbra

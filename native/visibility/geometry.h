@@ -31,10 +31,13 @@ struct Facet {
   Primitive primitive;
   uint32_t material = 0;
   Vec3d normal, corner;  // of any length
+  bool flat = false;     // shaded by this normal
 };
 
 /// Do they belong to one surface that is smooth there: light on it may be much the same?
 bool same_surface(const Facet& a, const Facet& b);
+/// Sine of the angle between flat ones; 0 where shading is smooth.
+double step_between(const Facet& a, const Facet& b);
 
 /// What a scene's triangles are to rays. Immutable, so that threads and renders can share it.
 class Geometry {

@@ -87,6 +87,13 @@ bool same_surface(const Facet& a, const Facet& b) {
          off * off <= kSameSlope * kSameSlope * aa * dot(between, between);
 }
 
+double step_between(const Facet& a, const Facet& b) {
+  if (!a.flat || !b.flat) return 0;
+  const Vec3d across = cross(a.normal, b.normal);
+  const double lengths = dot(a.normal, a.normal) * dot(b.normal, b.normal);
+  return lengths > 0 ? std::sqrt(dot(across, across) / lengths) : 1;
+}
+
 Facet Geometry::facet_of(const Primitive& primitive) const {
   Facet facet;
   if (primitive.instance == Hit::kNone) return facet;
@@ -96,6 +103,7 @@ Facet Geometry::facet_of(const Primitive& primitive) const {
   facet.material = material_of(mesh, instance, primitive.triangle);
   if (mesh.strands != StrandShape::kNone) return facet;
   const auto& corners = mesh.triangles[primitive.triangle];
+  facet.flat = mesh.corner_normals.empty();
   facet.corner = mesh.position(corners[0], 0.5);
   facet.normal =
       cross(mesh.position(corners[1], 0.5) - facet.corner, mesh.position(corners[2], 0.5) - facet.corner);

@@ -34,7 +34,7 @@ TEST(PixelSights, TellsSidesMaterialsAndObjectsApart) {
   PixelSights sights;
   uint32_t index = 0;
   const auto number = [&](const Primitive& met) {
-    const uint32_t k = sights.surface_of(geometry, met, index);
+    const uint32_t k = sights.surface_of(geometry, met);
     sights.count_ray(k, index++);
     return k;
   };
@@ -49,7 +49,7 @@ TEST(PixelSights, TellsSidesMaterialsAndObjectsApart) {
   EXPECT_EQ(number(triangle(0, 3)), 1u) << "those that are known stay known";
   EXPECT_EQ(sights.rays(), 9u);
   EXPECT_EQ(sights.surfaces()[0].rays.now, 2u);
-  EXPECT_EQ(sights.surfaces()[5].index, 6u);
+  EXPECT_EQ(sights.surfaces()[5].indices[0], 6u);
 }
 
 TEST(PixelSights, ACurvedSurfaceIsOneSurface) {
@@ -69,6 +69,29 @@ TEST(PixelSights, ACurvedSurfaceIsOneSurface) {
   EXPECT_FALSE(same_surface(first, geometry.facet_of(triangle(0, 22)))) << "55 degrees further";
 }
 
+TEST(PixelSights, FlatFacetsTellTheAngleBetweenThem) {
+  Mesh roof;
+  roof.name = "roof";
+  roof.positions = {{-1, 0, 0}, {0, 0, 0.1}, {0, 1, 0.1}, {1, 0, 0}};
+  roof.triangles = {{0, 1, 2}, {1, 3, 2}};
+  const Geometry flat({roof}, {{"roof", 0, {}, {0}}});
+  // Both sides rise 0.1 over 1 towards the ridge: twice atan(0.1).
+  EXPECT_NEAR(step_between(flat.facet_of(triangle(0, 0)), flat.facet_of(triangle(0, 1))),
+              std::sin(2 * std::atan(0.1)), 1e-6);
+  roof.corner_normals.assign(6, {0, 0, 1});
+  const Geometry smooth({roof}, {{"roof", 0, {}, {0}}});
+  EXPECT_EQ(step_between(smooth.facet_of(triangle(0, 0)), smooth.facet_of(triangle(0, 1))), 0);
+
+  PixelSights sights;
+  sights.surface_of(flat, triangle(0, 0));
+  EXPECT_EQ(sights.surfaces()[0].step, 0);
+  EXPECT_EQ(sights.surface_of(flat, triangle(0, 1)), 0u) << "one surface";
+  EXPECT_NEAR(sights.surfaces()[0].step, std::sin(2 * std::atan(0.1)), 1e-6);
+  EXPECT_EQ(sights.surfaces()[0].wanted_values(false), 1u) << "flat";
+  sights.surfaces()[0].rays.now = 16;
+  EXPECT_EQ(sights.surfaces()[0].wanted_values(true), kMostProbes) << "in penumbra";
+}
+
 /// A pixel of an edge: the first half of `shares` sees a surface of value 1, of n rays; `samples` of them are
 /// whole.
 struct EdgePixel {
@@ -76,7 +99,7 @@ struct EdgePixel {
     const Geometry geometry({cube()}, {{"white", 0, {}, {0, 1}}, {"black", 0, {}, {0, 1}}});
     for (uint32_t i = 0; i < rays; ++i) {
       const bool white = sees_white(i);
-      const uint32_t k = sights.surface_of(geometry, triangle(white ? 0 : 1, 0), i);
+      const uint32_t k = sights.surface_of(geometry, triangle(white ? 0 : 1, 0));
       sights.count_ray(k, i);
       if (2 * (i + 1) == rays) sights.mark_rays();
       if (i >= samples) continue;
@@ -100,7 +123,17 @@ TEST(PixelSights, RaysCorrectTheShares) {
   EXPECT_DOUBLE_EQ(pixel.sights.correction(8).alpha, 0) << "both are opaque";
   EXPECT_DOUBLE_EQ(pixel.sights.spread_within(), 0);
   EXPECT_DOUBLE_EQ(pixel.sights.spread_between(1), 0.75 * 0.25);
-  EXPECT_DOUBLE_EQ(pixel.sights.mean_variance(8), 0);
+  EXPECT_DOUBLE_EQ(pixel.sights.mean_variance(8, -1), 0);
+}
+
+TEST(PixelSights, WithoutSamplesSharesWeighValues) {
+  // Three quarters of 16 rays see white; both surfaces' values are known from single places.
+  EdgePixel pixel(2, 16, [](uint32_t i) { return i % 4 != 1; });
+  EXPECT_DOUBLE_EQ(pixel.sights.correction(0).value.x, 0.75);
+  EXPECT_DOUBLE_EQ(pixel.sights.correction(0).alpha, 1);
+  // A slope of 0.1 a pixel: half a pixel times the share that a surface does not fill, each by one value.
+  const double white = 0.75 * 0.25 * 0.5 * 0.1, black = 0.25 * 0.75 * 0.5 * 0.1;
+  EXPECT_NEAR(pixel.sights.mean_variance(0, 0.1), white * white + black * black, 1e-12);
 }
 
 TEST(PixelSights, BlocksTellTheVarianceOfIndependentRays) {

@@ -22,9 +22,9 @@ class Stage:
         self.camera = camera
         self.scene.set_camera("PERSPECTIVE", camera, (-0.5, 0.5, -0.375, 0.375), (0.01, 1000.0))
 
-    def add(self, shape, matrix=None):
+    def add(self, shape, matrix=None, albedo=ALBEDO):
         self.count += 1
-        add(self.scene, f"object {self.count}", shape, matrix, albedo=ALBEDO)
+        add(self.scene, f"object {self.count}", shape, matrix, albedo=albedo)
 
     def light(self, x, y, z, size, shape="RECTANGLE", white=1.0):
         radiance = white / ALBEDO * np.pi * z * z / (size[0] * size[1])
@@ -53,6 +53,33 @@ def leaves(count, size, seed, half=2.5, height=1.5):
     positions = np.stack([centre - a, centre + b, centre + a, centre - b], axis=1).reshape(-1, 3)
     i = 4 * np.arange(count)
     return positions, np.concatenate([np.stack([i, i + 1, i + 2], 1), np.stack([i, i + 2, i + 3], 1)]).astype(np.int32)
+
+
+def column(sides, radius=0.8, height=1.6):
+    """A cylinder without caps, of flat sides."""
+    angle = 2 * np.pi * np.arange(sides) / sides
+    ring = np.stack([radius * np.cos(angle), radius * np.sin(angle), np.zeros(sides)], axis=1)
+    i, j = np.arange(sides), (np.arange(sides) + 1) % sides
+    triangles = np.concatenate([np.stack([i, j, j + sides], 1), np.stack([i, j + sides, i + sides], 1)])
+    return np.concatenate([ring, ring + [0, 0, height]]), triangles.astype(np.int32)
+
+
+def columns(stage):
+    """Flat sides from several pixels wide to far below one: light at a pixel's centre is not that of the pixel."""
+    for x, y, sides in ((-1.6, 0.4, 30), (0.3, -0.6, 90), (2.2, 0.3, 300)):
+        stage.add(column(sides), translation(x, y, 0))
+    stage.light(-2, -3, 5, (1.5, 1.5))
+
+
+def squares(stage):
+    """A checkered floor under an open sky: edges everywhere, and nothing that hides a luminaire."""
+    z = 1e-5  # above the floor: its shadow is not seen
+    for i in range(-5, 5):
+        for j in range(-5, 5):
+            if (i + j) % 2 == 0:
+                positions = np.array([[i, j, z], [i + 1, j, z], [i + 1, j + 1, z], [i, j + 1, z]])
+                stage.add((positions, np.array([[0, 1, 2], [0, 2, 3]], np.int32)), albedo=0.3)
+    stage.light(0.5, 0.5, 5, (2, 2))
 
 
 def open_floor(stage):
