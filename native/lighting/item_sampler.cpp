@@ -81,8 +81,7 @@ Vec3d ItemSampler::unshadowed_glossy(const ShadingPoint& point, const Vec3d& arr
     luminaire.evaluate(point.surface, u, v, n, points);
     add_reflection(point, points.x, points.y, points.z, points.form_factor, n, sum);
   }
-  if (point.material.has_glossy_lobes) return arriving * sum.glossy / count;
-  return arriving * point.material.phong * (sum.weight / count);
+  return arriving * sum.glossy_of(point.material) / count;
 }
 
 void ItemSampler::look(std::span<LookedItem> items, std::span<const uint32_t> group,

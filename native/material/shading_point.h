@@ -48,6 +48,11 @@ struct Reflection {
   double weight = 0;          // sum of evaluate_glossy()
   double diffuse_weight = 0;  // sum of what weigh_diffuse() makes
   double form_factor = 0;     // sum
+
+  /// Of the glossy lobes of a material, by light of 1 from each point.
+  Vec3d glossy_of(const Closures& material) const {
+    return material.has_glossy_lobes ? glossy : material.phong * weight;
+  }
 };
 
 /// Adds at most kBatch light points to the sums.

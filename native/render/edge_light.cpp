@@ -160,7 +160,7 @@ void EdgeLight::first_level(std::span<const uint32_t> pixels, std::span<const ui
   }
   samples_.trace_each(anew, 0, kFirstSamples);
   for (uint32_t p : pixels) {
-    pixels_[p].edge->remember_power(pixels_[p], slots(p));
+    pixels_[p].edge->power = LevelSums(pixels_[p], slots(p));
     pixels_[p].edge->sights.mark_samples();
   }
   samples_.trace_each(pixels, kFirstSamples, kHalf - kFirstSamples);

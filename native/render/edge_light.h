@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Pixels with edges, of surfaces or of shadows, refined until the estimate is within the tolerance. What share
-// each surface has of a pixel is asked of camera rays alone. Its light is what the pixel's centre and a few
-// places on other surfaces tell, where that is enough (a centred pixel); else whole samples are taken all over
-// the filter, and a luminaire that may be partly hidden is looked at in many points from each.
+// Pixels with edges, of surfaces or of shadows, refined until the estimate is within the tolerance. What
+// share each surface has of a pixel is asked of camera rays alone. Its light is what the pixel's centre and a
+// few places on other surfaces tell, where that is enough (a centred pixel); else whole samples are taken all
+// over the filter, and a luminaire that may be partly hidden is looked at in many points from each.
 #pragma once
 
 #include <deque>

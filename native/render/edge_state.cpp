@@ -2,6 +2,7 @@
 #include "render/edge_state.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "render/filtered_pixel.h"
@@ -37,11 +38,9 @@ double unknown_variance(uint32_t count, std::span<const Slot> slots, double disp
 
 }  // namespace
 
-void EdgeState::remember_power(const FilteredPixel& pixel, std::span<const Slot> slots) {
-  power.background = pixel.background;
-  power.alpha = pixel.alpha;
-  power.slots.clear();
-  for (const Slot& slot : slots) power.slots.push_back(slot.now);
+LevelSums::LevelSums(const FilteredPixel& pixel, std::span<const Slot> slot_sums)
+    : background(pixel.background), alpha(pixel.alpha) {
+  for (const Slot& slot : slot_sums) slots.push_back(slot.now);
 }
 
 void EdgeState::close_level(const FilteredPixel& pixel, std::span<const Slot> slots,
@@ -79,50 +78,31 @@ void EdgeState::close_samples(const FilteredPixel& pixel, std::span<const Slot> 
   light.by_blocks = variance_of_level(pixel, slots, model) / light.fall;
 }
 
+/// From the sums at the ends of the level's blocks, as LevelCounts::in_block() has them.
 double EdgeState::variance_of_level(const FilteredPixel& pixel, std::span<const Slot> slots,
                                     const ErrorModel& model) {
-  const bool power_of_two = (pixel.count & (pixel.count - 1)) == 0;
+  const bool power_of_two = std::has_single_bit(pixel.count);
   const int blocks = power_of_two ? 2 : 3;
   const double size = double(pixel.count) / blocks;
+  LevelSums now(pixel, slots);
+  const LevelSums* ends[4] = {nullptr, power_of_two ? &power : &half, power_of_two ? &now : &power, &now};
   Vec3d values[3];
   double alphas[3];
-  if (power_of_two) {
-    alphas[0] = power.alpha;
-    alphas[1] = pixel.alpha - power.alpha;
-    values[0] = power.background / size;
-    values[1] = (pixel.background - power.background) / size;
-  } else {
-    alphas[0] = half.alpha;
-    alphas[1] = power.alpha - half.alpha;
-    alphas[2] = pixel.alpha - power.alpha;
-    values[0] = half.background / size;
-    values[1] = (power.background - half.background) / size;
-    values[2] = (pixel.background - power.background) / size;
-  }
-  for (size_t s = 0; s < slots.size(); ++s) {
-    const Slot& slot = slots[s];
-    if (power_of_two) {
-      values[0] += slot.radiance(power.slots[s], size);
-      values[1] += slot.radiance(slot.now - power.slots[s], size);
-    } else {
-      values[0] += slot.radiance(half.slots[s], size);
-      values[1] += slot.radiance(power.slots[s] - half.slots[s], size);
-      values[2] += slot.radiance(slot.now - power.slots[s], size);
-    }
-  }
   for (int b = 0; b < blocks; ++b) {
+    const LevelSums *begin = ends[b], &end = *ends[b + 1];
     const Appearance expected = sights.block(&SeenSurface::samples, b, power_of_two, size);
-    values[b] = values[b] - expected.value;
-    alphas[b] = alphas[b] / size - expected.alpha;
+    values[b] = (begin ? end.background - begin->background : end.background) / size - expected.value;
+    alphas[b] = (begin ? end.alpha - begin->alpha : end.alpha) / size - expected.alpha;
+    for (size_t s = 0; s < slots.size(); ++s)
+      values[b] += slots[s].radiance(begin ? end.slots[s] - begin->slots[s] : end.slots[s], size);
   }
   if (power_of_two) {
-    std::swap(half, power);
-    remember_power(pixel, slots);
+    half = std::move(power);
+    power = std::move(now);
+    sights.mark_samples();
   }
-  const double variance = variance_of_blocks({values, size_t(blocks)}, {alphas, size_t(blocks)},
-                                             model.display_scale, model.dimensions);
-  if (power_of_two) sights.mark_samples();
-  return variance;
+  return variance_of_blocks({values, size_t(blocks)}, {alphas, size_t(blocks)}, model.display_scale,
+                            model.dimensions);
 }
 
 }  // namespace penumbra

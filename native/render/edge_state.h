@@ -15,6 +15,9 @@ struct FilteredPixel;
 
 /// A pixel's sums up to some sample.
 struct LevelSums {
+  LevelSums() = default;
+  LevelSums(const FilteredPixel& pixel, std::span<const Slot> slots);
+
   Vec3d background;
   double alpha = 0;
   std::vector<SlotSums> slots;
@@ -55,8 +58,6 @@ struct EdgeState {
   double centre_share() const {
     return centre_surface < 0 ? 0 : sights.share(sights.surfaces()[size_t(centre_surface)]);
   }
-  /// Half of the first level is done.
-  void remember_power(const FilteredPixel& pixel, std::span<const Slot> slots);
   /// After the samples, or the rays, or both up to a level: what they tell of the variances. Remembers the
   /// sums.
   void close_level(const FilteredPixel& pixel, std::span<const Slot> slots, const ErrorModel& model);

@@ -42,6 +42,7 @@ class FilteredBlock {
   void start(std::span<const uint32_t> quad, int margin);
   template <typename Condition>
   std::vector<uint32_t> pixels_of(const Rectangle& tile, Condition condition) const;
+  PixelLight light(uint32_t p) const;
   void write();
   void tell(PixelTrace& trace);
 
@@ -257,30 +258,36 @@ void FilteredBlock::tell(PixelTrace& trace) {
   penumbra::tell(trace, pixels_[p], slots(p), uint32_t(c_.luminaires.size()), frame_.glossy ? 2 : 1, smooth);
 }
 
+/// What a pixel gets in the end.
+PixelLight FilteredBlock::light(uint32_t p) const {
+  if (frame_.edge[p]) return pixels_[p].light(frame_.of_pixel(p));
+  if (frame_.uncertain[p]) return centres_.light(p);
+  // A certain pixel: what its first look may have missed, as far as the calibration lets it.
+  return {pixels_[p].fitted(frame_.of_pixel(p)), c_.settings.error_tolerance / 2, pixels_[p].light_points};
+}
+
 void FilteredBlock::write() {
   const Rectangle& region = c_.film.region();
-  for (uint32_t p = 0; p < block_.pixels(); ++p) {
-    const uint32_t x = area_.x + p % block_.width, y = area_.y + p / block_.width;
-    if (!block_.in_core(p, 0) || x - region.x >= region.width || y - region.y >= region.height) continue;
-    const FilteredPixel& pixel = pixels_[p];
-    const std::span<const Slot> slot = slots(p);
-    PixelLight light = pixel.light(slot);
-    // A certain pixel: what its first look may have missed, as far as the calibration lets it.
-    if (!frame_.uncertain[p])
-      light = {pixel.fitted(slot), c_.settings.error_tolerance / 2, pixel.light_points};
-    if (is_smooth(p)) light = centres_.light(p);
-    PixelValues values;
-    values.combined = light.radiance;
-    values.alpha = pixel.opacity();
-    values.light_samples = double(light.points);
-    values.error_estimate = light.error;
-    set_data_passes(values, pixel.first, c_.geometry.normalization());
-    tally_.pixels_at_limit += light.at_limit;
-    tally_.light.light_points += light.points;
-    const bool broken = c_.film.write(x, y, values),
-               extra_broken = samples_.parts() && samples_.parts()->write(p, x, y, pixel, centres_);
-    if ((broken || extra_broken) && tally_.non_finite_pixels++ == 0)
-      tally_.first_non_finite = pixel_name(x, y, pixel.first.object);
+  for (uint32_t row = 0; row < block_.core_height; ++row) {
+    for (uint32_t column = 0; column < block_.core_width; ++column) {
+      const uint32_t x = area_.x + block_.core_x + column, y = area_.y + block_.core_y + row;
+      if (x - region.x >= region.width || y - region.y >= region.height) continue;
+      const uint32_t p = (block_.core_y + row) * block_.width + block_.core_x + column;
+      const FilteredPixel& pixel = pixels_[p];
+      const PixelLight found = light(p);
+      PixelValues values;
+      values.combined = found.radiance;
+      values.alpha = pixel.opacity();
+      values.light_samples = double(found.points);
+      values.error_estimate = found.error;
+      set_data_passes(values, pixel.first, c_.geometry.normalization());
+      tally_.pixels_at_limit += found.at_limit;
+      tally_.light.light_points += found.points;
+      const bool broken = c_.film.write(x, y, values),
+                 extra_broken = samples_.parts() && samples_.parts()->write(p, x, y, pixel, centres_);
+      if ((broken || extra_broken) && tally_.non_finite_pixels++ == 0)
+        tally_.first_non_finite = pixel_name(x, y, pixel.first.object);
+    }
   }
 }
 

@@ -105,7 +105,7 @@ bool PathTracer::is_plain(const Hit& hit) const {
   if (!hit.found()) return !scene_.background().seen_by_camera || !scene_.background().environment;
   const uint32_t material = geometry_.material_of(hit);
   return ends_paths_[material] && !geometry_.traits_of(hit.instance).holdout &&
-         !scene_.materials()[material].may_be_glossy();
+         !scene_.materials()[material].may_be_glossy() && !geometry_.is_strand(hit);
 }
 
 uint64_t PathTracer::lights_seen(const Ray& ray, const Hit& hit) const {

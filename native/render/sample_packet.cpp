@@ -295,8 +295,7 @@ void SamplePacket::light_by_packet(const LitPoint& lit, uint32_t l, double form_
   add_reflection(shading, points.points.x, points.points.y, points.points.z, points.points.form_factor,
                  kPacket, lobe);
   if (lobe.weight <= 0) return;
-  const Vec3d glossy =
-      arriving * (lit.material->has_glossy_lobes ? lobe.glossy : lit.material->phong * lobe.weight) / kPacket;
+  const Vec3d glossy = arriving * lobe.glossy_of(*lit.material) / kPacket;
   const double all = sum(points.glossy);
   columns_of(s + 1).set(lane, glossy, max_abs(glossy) * display_scale_, SlotColumns::kRays,
                         all > 0 ? sum(points.seen_glossy) / all : 0);
@@ -319,8 +318,7 @@ SamplePacket::Reflected SamplePacket::reflected_by_lobes(const LitPoint& lit, co
   // No closed form: the sampled value itself stands for the unshadowed one.
   Reflection lobe;
   add_reflection(shading, &to_light.x, &to_light.y, &to_light.z, &sampled, 1, lobe);
-  light.glossy =
-      lit.material->has_glossy_lobes ? arriving * lobe.glossy : arriving * lit.material->phong * lobe.weight;
+  light.glossy = arriving * lobe.glossy_of(*lit.material);
   light.glossy_weight = lobe.weight;
   return light;
 }

@@ -32,11 +32,12 @@ struct Facet {
   uint32_t material = 0;
   Vec3d normal, corner;  // of any length
   bool flat = false;     // shaded by this normal
+  bool strand = false;   // of hair: round
 };
 
 /// Do they belong to one surface that is smooth there: light on it may be much the same?
 bool same_surface(const Facet& a, const Facet& b);
-/// Sine of the angle between flat ones; 0 where shading is smooth.
+/// Sine of the angle between flat ones; 0 where shading is smooth, 1 between strands.
 double step_between(const Facet& a, const Facet& b);
 
 /// What a scene's triangles are to rays. Immutable, so that threads and renders can share it.
@@ -88,6 +89,9 @@ class Geometry {
   /// What of the scene was left out, in sentences that name the first object.
   const std::vector<std::string>& notes() const { return notes_; }
   const std::string& name_of(const Hit& hit) const { return instances_[hit.instance].name; }
+  bool is_strand(const Hit& hit) const {
+    return meshes_[instances_[hit.instance].mesh]->strands != StrandShape::kNone;
+  }
   uint32_t material_of(const Hit& hit) const {
     const PlacedInstance& instance = instances_[hit.instance];
     return material_of(*meshes_[instance.mesh], instance, hit.triangle);

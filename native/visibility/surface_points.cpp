@@ -88,6 +88,7 @@ bool same_surface(const Facet& a, const Facet& b) {
 }
 
 double step_between(const Facet& a, const Facet& b) {
+  if (a.strand || b.strand) return 1;
   if (!a.flat || !b.flat) return 0;
   const Vec3d across = cross(a.normal, b.normal);
   const double lengths = dot(a.normal, a.normal) * dot(b.normal, b.normal);
@@ -101,7 +102,8 @@ Facet Geometry::facet_of(const Primitive& primitive) const {
   const PlacedMesh& mesh = *meshes_[instance.mesh];
   facet.primitive = primitive;
   facet.material = material_of(mesh, instance, primitive.triangle);
-  if (mesh.strands != StrandShape::kNone) return facet;
+  facet.strand = mesh.strands != StrandShape::kNone;
+  if (facet.strand) return facet;
   const auto& corners = mesh.triangles[primitive.triangle];
   facet.flat = mesh.corner_normals.empty();
   facet.corner = mesh.position(corners[0], 0.5);
