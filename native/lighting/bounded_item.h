@@ -9,7 +9,7 @@
 
 namespace penumbra {
 
-/// Points of the first look at every pixel: one in each quarter of the luminaire.
+/// Most points of the first look at every pixel: one in each quarter of the luminaire.
 inline constexpr uint32_t kFirstLook = 4;
 
 /// Sums over points, of the integrand f without visibility and of f V, for the diffuse and the Phong lobe.
@@ -43,6 +43,7 @@ struct LookedItem {
   Vec3d diffuse, phong;                     // unshadowed radiance in the pixel, by lobe
   double diffuse_size = 0, phong_size = 0;  // the largest of their r, g, b, display units
   uint8_t first_lit = 0, first_dark = 0;    // bits of the first look's points
+  uint8_t looks = 0;                        // points of it
   bool looked = false;
 
   void set_light(const Vec3d& by_diffuse, const Vec3d& by_phong, double display_scale) {

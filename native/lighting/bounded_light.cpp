@@ -24,6 +24,11 @@ constexpr uint32_t kHalo = (kGateReach + kFloodReach + 1) / 2 * 2;
 /// Share of a pixel's tolerance that dim luminaires may be charged for being dropped.
 constexpr double kDropShare = 0.25;
 
+/// Quads of pixels to which a luminaire sends less than so many tolerances look at one point of it, to which
+/// it sends less than twice that at two. A pixel that is wholly wrong about it is off by no more; what 49
+/// points around a pixel can have missed is a twentieth of it (test_many_luminaires.py).
+constexpr double kDimSize = 2;
+
 enum Seen : uint8_t { kLit = 1, kDark = 2 };
 
 /// An item without its light.
@@ -32,7 +37,7 @@ struct BlockItem {
 
   uint32_t point, pixel;
   uint32_t refined;  // the number of its BoundedItem where it is uncertain
-  uint8_t first_lit, first_dark;
+  uint8_t first_lit, first_dark, looks;
 
   bool uncertain() const { return refined != kNone; }
 };
@@ -50,7 +55,7 @@ struct Slot {
 
   void add(const LookedItem& item) {
     if (!(item.phong == Vec3d{})) phong.resize(items.size());
-    items.push_back({item.point, item.pixel, BlockItem::kNone, item.first_lit, item.first_dark});
+    items.push_back({item.point, item.pixel, BlockItem::kNone, item.first_lit, item.first_dark, item.looks});
     diffuse.push_back(item.diffuse);
     if (!phong.empty() || !(item.phong == Vec3d{})) phong.push_back(item.phong);
   }
@@ -81,7 +86,8 @@ class BlockLight final : public BlockLighting {
         parts_(block.parts),
         memory_(block.memory),
         item_sampler_(geometry, luminaires_, sampler, points_, settings),
-        first_look_(item_sampler_, block_, luminaires_, points_, settings_, kDropShare, memory_),
+        first_look_(item_sampler_, block_, luminaires_, points_, settings_, kDropShare, memory_,
+                    kDimSize * settings_.tolerance),
         zones_(memory_, block_.pixels(), kOutside),
         rays_(memory_),
         refined_(memory_),
@@ -153,8 +159,8 @@ LightDecision BlockLight::decision(const Slot& slot, size_t i) const {
     const BoundedItem& refined = refined_[item.refined];
     return {bounce, slot.luminaire, "may be in penumbra", refined.count, refined.radiance()};
   }
-  return item.first_lit ? LightDecision{bounce, slot.luminaire, "wholly seen", kFirstLook, slot.unshadowed(i)}
-                        : LightDecision{bounce, slot.luminaire, "wholly hidden", kFirstLook, {}};
+  return item.first_lit ? LightDecision{bounce, slot.luminaire, "wholly seen", item.looks, slot.unshadowed(i)}
+                        : LightDecision{bounce, slot.luminaire, "wholly hidden", item.looks, {}};
 }
 
 void BlockLight::look(bool all_found) {
@@ -199,7 +205,7 @@ void BlockLight::make_uncertain(Slot& slot, size_t i) {
   LookedItem looked;
   looked.point = item.point, looked.pixel = item.pixel, looked.luminaire = slot.luminaire;
   looked.set_light(slot.diffuse[i], slot.phong_of(i), settings_.display_scale);
-  looked.first_lit = item.first_lit, looked.first_dark = item.first_dark, looked.looked = true;
+  looked.first_lit = item.first_lit, looked.first_dark = item.first_dark, looked.looks = item.looks, looked.looked = true;
   refined_.push_back(looked);
 }
 
@@ -211,8 +217,8 @@ void BlockLight::gate(Slot& slot) {
   for (size_t i = 0; i < slot.items.size(); ++i) {
     const BlockItem& item = slot.items[i];
     if (zones_[item.pixel] == kOutside) continue;
-    // Most of the four were below the horizon: a neighbourhood of those has seen next to nothing.
-    const bool blind = std::popcount(uint8_t(item.first_lit | item.first_dark)) < int(kFirstLook) / 2;
+    // Most of its points were below the horizon: a neighbourhood of those has seen next to nothing.
+    const bool blind = 2 * std::popcount(uint8_t(item.first_lit | item.first_dark)) < int(item.looks);
     const bool unproven = luminaire.is_wide();  // until the flood's 16 points
     if (slot.seen[item.pixel] == (kLit | kDark) || blind || unproven) make_uncertain(slot, i);
   }
@@ -239,21 +245,27 @@ void BlockLight::flood(Slot& slot) {
 /// of all their points; a pixel's share of it is reported, but no more than half the tolerance, which the
 /// calibration shows to hold.
 void BlockLight::settle(const Slot& slot) {
-  static const double n = kFirstLook * (2 * kGateReach + 1) * (2 * kGateReach + 1), p = 1 / (n + 2);
-  static const double missed =
-      kItemCalibration.report * kItemCalibration.smoothed * std::sqrt(p * (1 - p)) * std::pow(n, -0.75);
+  static const std::array<double, kFirstLook + 1> missed_by = [] {
+    std::array<double, kFirstLook + 1> missed{};
+    for (uint32_t looks = 1; looks <= kFirstLook; ++looks) {
+      const double n = looks * (2 * kGateReach + 1) * (2 * kGateReach + 1), p = 1 / (n + 2);
+      missed[looks] =
+          kItemCalibration.report * kItemCalibration.smoothed * std::sqrt(p * (1 - p)) * std::pow(n, -0.75);
+    }
+    return missed;
+  }();
   const bool exact = luminaires_[slot.luminaire].is_point();
   for (size_t i = 0; i < slot.items.size(); ++i) {
     const BlockItem& item = slot.items[i];
     if (item.uncertain() || zones_[item.pixel] != kCore) continue;
     PixelLight& pixel_light = out_[item.pixel];
-    pixel_light.points += exact ? 1 : kFirstLook;
+    pixel_light.points += exact ? 1 : item.looks;
     if (item.first_lit) pixel_light.radiance += slot.unshadowed(i);
     if (exact) continue;
     const double size = light_size(slot.diffuse[i], settings_.display_scale) +
                         light_size(slot.phong_of(i), settings_.display_scale);
     double& certain = certain_error_[item.pixel];
-    certain = std::min(sum_of_errors(certain, missed * size), settings_.tolerance / 2);
+    certain = std::min(sum_of_errors(certain, missed_by[item.looks] * size), settings_.tolerance / 2);
   }
 }
 

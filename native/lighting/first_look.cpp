@@ -17,13 +17,14 @@ constexpr uint32_t kLookedAt = kBatch, kLookedAtByGroups = 4 * kBatch;
 
 FirstLook::FirstLook(const ItemSampler& sampler, const Block& block, std::span<const Luminaire> luminaires,
                      const std::vector<LitPoint>& points, const BoundedSettings& settings, double drop_share,
-                     BlockMemory& memory)
+                     BlockMemory& memory, double dim_size)
     : sampler_(sampler),
       block_(block),
       luminaires_(luminaires),
       points_(points),
       settings_(settings),
       drop_share_(drop_share),
+      dim_size_(dim_size),
       batch_(luminaires.size() > kFewLuminaires ? kLookedAtByGroups : kLookedAt),
       chunks_(memory),
       form_factors_(memory),
@@ -39,10 +40,13 @@ std::span<const LookedItem> FirstLook::next(bool all_found, LightTally& tally) {
     fill_chunks(begin, looked_at_);
     find_sizes(begin, tally);
     if (luminaires_.size() > 1) drop_dim_items(begin, looked_at_, tally);
-    make_items(begin);
+    make_items(begin, looked_at_);
     for (size_t first = 0, last; first < items_.size(); first = last) {
       group_.clear();
-      for (last = first; last < items_.size() && items_[last].luminaire == items_[first].luminaire; ++last)
+      const LookedItem& one = items_[first];
+      for (last = first; last < items_.size() && items_[last].luminaire == one.luminaire &&
+                         items_[last].looks == one.looks;
+           ++last)
         group_.push_back(quad_[items_[last].point - begin]);
       sampler_.look(std::span(items_).subspan(first, last - first), group_, tally);
     }
@@ -140,8 +144,7 @@ void FirstLook::drop_dim_items(uint32_t begin, uint32_t end, LightTally& tally) 
   for (uint32_t first = begin, last; first < end; first = last) {
     candidates_.clear();
     for (last = first; last < end && points_[last].pixel == points_[first].pixel; ++last) {
-      const uint32_t at = last - begin;
-      const double* size = &sizes_[entry_of(at / kBatch, 0) + at % kBatch];
+      const double* size = &sizes_[entry_of_point(last - begin, 0)];
       for (uint32_t l = 0; l < luminaires_.size(); ++l, size += kBatch)
         if (*size > 0 && *size / 2 <= budget) candidates_.push_back({*size, last, l});
     }
@@ -154,7 +157,7 @@ void FirstLook::drop_dim_items(uint32_t begin, uint32_t end, LightTally& tally) 
       charge += candidate.size / 2;
       if (charge > budget) break;
       const uint32_t at = candidate.point - begin;
-      const size_t entry = entry_of(at / kBatch, candidate.luminaire) + at % kBatch;
+      const size_t entry = entry_of_point(at, candidate.luminaire);
       dropped_.push_back(item(candidate.point, candidate.luminaire, entry));
       sizes_[entry] = 0;
       tally.decided_without_ray += chunks_[at / kBatch].in_core[at % kBatch];
@@ -162,13 +165,29 @@ void FirstLook::drop_dim_items(uint32_t begin, uint32_t end, LightTally& tally) 
   }
 }
 
-void FirstLook::make_items(uint32_t begin) {
+/// For each point that has an item, by the largest of its quad: those share packets.
+void FirstLook::choose_looks(uint32_t count, uint32_t luminaire) {
+  looks_.resize(count);
+  const bool all = luminaires_[luminaire].is_wide();
+  for (uint32_t first = 0, last; first < count; first = last) {
+    double largest = 0;
+    for (last = first; last < count && quad_[last] == quad_[first]; ++last)
+      largest = std::max(largest, sizes_[entry_of_point(last, luminaire)]);
+    const uint32_t looks = all || largest > 2 * dim_size_ ? kFirstLook : largest > dim_size_ ? 2 : 1;
+    for (uint32_t i = first; i < last; ++i)
+      looks_[i] = sizes_[entry_of_point(i, luminaire)] > 0 ? uint8_t(looks) : 0;
+  }
+}
+
+void FirstLook::make_items(uint32_t begin, uint32_t end) {
   for (uint32_t l = 0; l < luminaires_.size(); ++l) {
-    for (size_t c = 0; c < chunks_.size(); ++c) {
-      const size_t entry = entry_of(c, l);
-      for (uint32_t i = 0; i < chunks_[c].surfaces.count; ++i)
-        if (sizes_[entry + i] > 0) items_.push_back(item(begin + uint32_t(c) * kBatch + i, l, entry + i));
-    }
+    choose_looks(end - begin, l);
+    for (uint8_t looks = 1; looks <= kFirstLook; looks *= 2)
+      for (uint32_t i = 0; i < end - begin; ++i) {
+        if (looks_[i] != looks) continue;
+        items_.push_back(item(begin + i, l, entry_of_point(i, l)));
+        items_.back().looks = looks;
+      }
   }
 }
 

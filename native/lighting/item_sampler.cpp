@@ -87,7 +87,7 @@ Vec3d ItemSampler::unshadowed_glossy(const ShadingPoint& point, const Vec3d& arr
 void ItemSampler::look(std::span<LookedItem> items, std::span<const uint32_t> group,
                        LightTally& tally) const {
   const Luminaire& luminaire = luminaires_[items.front().luminaire];
-  const uint32_t looks = luminaire.is_point() ? 1 : kFirstLook;
+  const uint32_t looks = luminaire.is_point() ? 1 : items.front().looks;
   for (size_t begin = 0, end; begin < items.size(); begin = end) {
     end = end_of_groups(group, begin);
     look_at_packets(items.subspan(begin, end - begin), &group[begin], luminaire, looks, tally);

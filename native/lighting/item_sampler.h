@@ -22,7 +22,7 @@ class ItemSampler {
   /// Surface point number `point` and a luminaire of that form factor: its unshadowed light.
   LookedItem make(uint32_t point, uint32_t luminaire, double form_factor) const;
 
-  /// The first rays of one luminaire's items, one to each quarter of it; all points of a point light are the
+  /// The first rays of one luminaire's items, which want as many each; all points of a point light are the
   /// same. Those of a group (its number, by item) lie together; only they share packets.
   void look(std::span<LookedItem> items, std::span<const uint32_t> group, LightTally& tally) const;
 
