@@ -22,12 +22,8 @@ TileItems::TileItems(const std::vector<BoundedItem*>& items, const std::vector<L
     if (slots_.empty() || slots_.back() != slot(*item)) slots_.push_back(slot(*item));
   std::sort(slots_.begin(), slots_.end());
   slots_.erase(std::unique(slots_.begin(), slots_.end()), slots_.end());
-  places_.resize(slots_.size() * kTile * kTile);
-  for (BoundedItem* item : items) {
-    const auto s = size_t(std::lower_bound(slots_.begin(), slots_.end(), slot(*item)) - slots_.begin());
-    const Place at = place(*item);
-    places_[(s * kTile + size_t(at.y)) * kTile + size_t(at.x)] = item;
-  }
+  known_.resize(slots_.size() * kTile * kTile);
+  for (const BoundedItem* item : items) update(*item);
 }
 
 TileItems::Place TileItems::place(const BoundedItem& item) const {
@@ -35,13 +31,22 @@ TileItems::Place TileItems::place(const BoundedItem& item) const {
   return {int((p % block_.width - block_.core_x) % kTile), int((p / block_.width - block_.core_y) % kTile)};
 }
 
-template <typename Function>
-void TileItems::for_neighbours(const BoundedItem& item, int reach, Function function) const {
+size_t TileItems::index(const BoundedItem& item) const {
   const auto s = size_t(std::lower_bound(slots_.begin(), slots_.end(), slot(item)) - slots_.begin());
   const Place at = place(item);
-  for (int y = std::max(at.y - reach, 0); y <= std::min(at.y + reach, int(kTile) - 1); ++y)
-    for (int x = std::max(at.x - reach, 0); x <= std::min(at.x + reach, int(kTile) - 1); ++x)
-      if (const BoundedItem* other = places_[(s * kTile + size_t(y)) * kTile + size_t(x)]) function(*other);
+  return (s * kTile + size_t(at.y)) * kTile + size_t(at.x);
+}
+
+template <typename Function>
+void TileItems::for_neighbours(const BoundedItem& item, int reach, Function function) const {
+  const size_t own = index(item);
+  const int x = int(own % kTile), y = int(own / kTile % kTile), last = int(kTile) - 1;
+  const Known* slot = &known_[own - own % (kTile * kTile)];
+  for (int j = std::max(y - reach, 0); j <= std::min(y + reach, last); ++j)
+    for (int i = std::max(x - reach, 0); i <= std::min(x + reach, last); ++i) {
+      const Known& known = slot[j * int(kTile) + i];
+      if (known.count > 0) function(known.count, known.variance);
+    }
 }
 
 TileRefiner::TileRefiner(const ItemSampler& sampler, const std::vector<LitPoint>& points, const Block& block,
@@ -55,8 +60,8 @@ double TileRefiner::error(const BoundedItem& item, const TileItems& items) const
   const double smoothed =
       kItemCalibration.smoothed * item.size() * std::sqrt(p * (1 - p)) * std::pow(item.facing, -0.75);
   PooledVariance pooled(smoothed * smoothed, kItemCalibration.prior_weight);
-  items.for_neighbours(item, kPool, [&](const BoundedItem& other) {
-    if (other.count >= kPacket) pooled.add(other.variance, other.count / n, 1.5);
+  items.for_neighbours(item, kPool, [&](uint32_t count, double variance) {
+    if (count >= kPacket) pooled.add(variance, count / n, 1.5);
   });
   return std::sqrt(pooled.mean());
 }
@@ -68,7 +73,7 @@ void TileRefiner::refine(std::vector<BoundedItem*>& items, std::vector<PixelLigh
     by_pixel[points_[item->point].pixel].push_back(item);
     if (item->count == 0) sampler_.advance(*item, next_level(0), tally);
   }
-  const TileItems tile(items, points_, block_);
+  TileItems tile(items, points_, block_);
   std::vector<std::pair<BoundedItem*, double>> errors;
   bool again = true;
   while (again) {
@@ -110,6 +115,7 @@ void TileRefiner::refine(std::vector<BoundedItem*>& items, std::vector<PixelLigh
     }
     for (BoundedItem* item : to_advance) {
       sampler_.advance(*item, next_level(item->count), tally);
+      tile.update(*item);
       again = true;
     }
   }

@@ -13,23 +13,35 @@ class TileItems {
  public:
   TileItems(const std::vector<BoundedItem*>& items, const std::vector<LitPoint>& points, const Block& block);
 
-  /// Calls function with those of an item's slot at most `reach` pixels away in x and y, row by row.
+  /// Calls function(points, variance) of those of an item's slot at most `reach` pixels away in x and y, row
+  /// by row.
   template <typename Function>
   void for_neighbours(const BoundedItem& item, int reach, Function function) const;
+  /// Called when an item has got more points.
+  void update(const BoundedItem& item) {
+    Known& known = known_[index(item)];
+    known = {item.count, item.variance};
+  }
 
  private:
   struct Place {
     int x, y;  // in the tile
   };
+  /// What neighbours ask of an item.
+  struct Known {
+    uint32_t count = 0;  // none: no item
+    double variance = 0;
+  };
   Place place(const BoundedItem& item) const;
+  size_t index(const BoundedItem& item) const;
   uint64_t slot(const BoundedItem& item) const {
     return uint64_t(points_[item.point].bounce) << 32 | item.luminaire;
   }
 
   const std::vector<LitPoint>& points_;
   const Block& block_;
-  std::vector<uint64_t> slots_;       // sorted
-  std::vector<BoundedItem*> places_;  // by slot, row and column; null where there is none
+  std::vector<uint64_t> slots_;  // sorted
+  std::vector<Known> known_;     // by slot, row and column
 };
 
 /// The uncertain items of one tile, with their places, and what else its pixels have.

@@ -64,21 +64,31 @@ void LightChoice::fill(const LightTree& tree, uint32_t node, LightChannel channe
   values_.resize(n.end - n.begin);
   until_.resize(n.end - n.begin);
   tree.sum(n.begin, n.end, channel, surface, values_.data());
-  double total = 0;
-  for (size_t i = 0; i < values_.size(); ++i) until_[i] = total += double(values_[i]);
+  add_up();
 }
 
 void LightChoice::fill(uint32_t begin, uint32_t count, const float* values, uint32_t stride) {
   begin_ = begin;
   values_.resize(count);
   until_.resize(count);
+  for (size_t i = 0; i < count; ++i) values_[i] = values[i * stride];
+  add_up();
+}
+
+void LightChoice::add_up() {
   double total = 0;
-  for (size_t i = 0; i < count; ++i) until_[i] = total += double(values_[i] = values[i * stride]);
+  for (size_t i = 0; i < values_.size(); ++i) until_[i] = total += double(values_[i]);
+  uint32_t k = 0;
+  for (uint32_t g = 0; g < kGuides; ++g) {
+    while (k + 1 < until_.size() && until_[k] <= double(g) / kGuides * total) ++k;
+    guide_[g] = k;
+  }
 }
 
 uint32_t LightChoice::pick(double at, double& share, double& within) const {
   const double total = until_.back(), target = at * total;
-  const auto k = size_t(std::upper_bound(until_.begin(), until_.end() - 1, target) - until_.begin());
+  size_t k = guide_[size_t(at * kGuides)];
+  while (k + 1 < until_.size() && until_[k] <= target) ++k;
   const auto own = double(values_[k]);
   share = own > 0 ? own / total : 0;
   within = own > 0 ? std::clamp((target - (until_[k] - own)) / own, 0.0, 1 - 0x1p-24) : 0.5;

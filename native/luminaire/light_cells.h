@@ -2,6 +2,7 @@
 // The light of far elements in cubes of space: surface points in one cube share what it took to find it.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <span>
 #include <unordered_map>
@@ -21,9 +22,13 @@ class LightChoice {
   uint32_t pick(double at, double& share, double& within) const;
 
  private:
+  void add_up();
+
+  static constexpr uint32_t kGuides = 64;
   uint32_t begin_ = 0;
   std::vector<float> values_;
-  std::vector<double> until_;  // sum of values up to each element, itself included
+  std::vector<double> until_;        // sum of values up to each element, itself included
+  std::array<uint32_t, kGuides> guide_;  // which element's sum is the first beyond each 64th of the total
 };
 
 /// For one group of luminaires. What a surface point gets depends on that point alone, not on what was asked

@@ -131,6 +131,12 @@ void LightGroup::evaluate_each(const SurfaceColumns& surfaces, const float* u, c
   alignas(64) float own_u[kBatch], own_v[kBatch];
   LightPoints own_points;
   for_elements(std::span<const Picked>(picked, chosen), [&](std::span<const Picked> own) {
+    if (own.size() == 1) {
+      const SurfacePoint surface = surfaces.point(own.front().number % count);
+      tree_.evaluate(own.front().element, channel_, surface, &own.front().within, &v[own.front().number], 1,
+                     own_points);
+      return place(own, own_points, out);
+    }
     own_surfaces.count = 0;
     for (size_t i = 0; i < own.size(); ++i) {
       own_u[i] = own[i].within, own_v[i] = v[own[i].number];

@@ -320,7 +320,8 @@ void LightTree::Source::weigh(LightChannel channel, uint32_t count, float* form_
 void LightTree::evaluate(uint32_t element, LightChannel channel, const SurfacePoint& surface, const float* u,
                          const float* v, uint32_t count, LightPoints& out) const {
   const Source& source = sources_[element];
-  alignas(64) float at[kBatch] = {};
+  alignas(64) float at[kBatch];
+  if (count == 0) return;
   source.to_emitter(u, count, at);
   source.emitter->evaluate(surface, at, v, count, out);
   source.weigh(channel, count, out.form_factor);
