@@ -10,10 +10,10 @@ namespace penumbra {
 namespace {
 
 /// Luminaires in a cut: memory and the first look grow with it, the share of what needs no more rays, too.
-constexpr size_t kMost = 64;
+constexpr size_t kMost = 40;
 
 /// Groups of less light than so many tolerances are not split.
-constexpr double kGroupSize = 1.0;
+constexpr double kGroupSize = 2.0;
 
 struct Candidate {
   double size;  // upper bound of its light at the probe that gets most, white
