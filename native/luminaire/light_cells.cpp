@@ -87,7 +87,8 @@ void LightChoice::add_up() {
 
 uint32_t LightChoice::pick(double at, double& share, double& within) const {
   const double total = until_.back(), target = at * total;
-  size_t k = guide_[size_t(at * kGuides)];
+  // `at` may be rounded to 1.
+  size_t k = guide_[std::min(size_t(at * kGuides), size_t{kGuides - 1})];
   while (k + 1 < until_.size() && until_[k] <= target) ++k;
   const auto own = double(values_[k]);
   share = own > 0 ? own / total : 0;

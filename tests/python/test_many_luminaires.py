@@ -114,6 +114,46 @@ def test_the_mean_is_right(primaries, most):
     assert np.mean(found) == pytest.approx(np.mean(true), rel=most)
 
 
+@functools.cache
+def specks():
+    """Boxes a hundredth of the picture high, and their shadows under 36 lamps: narrower than a few pixels."""
+    scene = pn.Scene()
+    add(scene, "floor", floor(20.0), albedo=ALBEDO)
+    rng = np.random.default_rng(8)
+    for i in range(400):
+        (x, y), z, half = rng.uniform(-4, 4, 2), rng.uniform(0.02, 0.8), rng.uniform(0.005, 0.03)
+        add(scene, f"speck {i}", box([x - half, y - half, z - half], [x + half, y + half, z + half]), albedo=ALBEDO)
+    for i in range(36):
+        x, y = (16 * ((k + 0.5) / 6 - 0.5) for k in (i % 6, i // 6))
+        scene.add_area_light(f"lamp {i}", "RECTANGLE", translation(x, y, 4), (0.3, 0.3), (98.8,) * 3)
+    eye = np.array([5.0, -9.0, 7.0])
+    back = (eye - [0, 0, 0.5]) / np.linalg.norm(eye - [0, 0, 0.5])
+    right = np.cross([0, 0, 1], back) / np.linalg.norm(np.cross([0, 0, 1], back))
+    camera = np.eye(4)
+    camera[:3] = np.stack([right, np.cross(back, right), back, eye], axis=1)
+    scene.set_camera("PERSPECTIVE", camera, (-0.4, 0.4, -0.3, 0.3), (0.01, 1000.0))
+    return scene
+
+
+@functools.cache
+def true_specks():
+    settings = {"stop_rule": "FIXED", "light_samples": 256, "seed": 4711}
+    return colour(render(specks(), 160, 120, region=SPECKS, **settings))
+
+
+SPECKS = (20, 20, 120, 80)
+
+
+@pytest.mark.parametrize("tolerance", [0.02, 0.004])
+def test_coverage_of_shadows_of_specks(tolerance):
+    """Lamps that are dim to a pixel are looked at by a ray or two of it: shadows so small that the pixels around know
+    nothing of them are missed most easily. One ray for every lamp misses more than allowed here."""
+    picture = colour(render(specks(), 160, 120, region=SPECKS, stop_rule="BOUNDED", error_tolerance=tolerance))
+    allowed = tolerance * np.maximum(1, true_specks().max(axis=-1))
+    misses = np.abs(picture - true_specks()).max(axis=-1) > allowed
+    assert misses.mean() <= 0.01, f"{100 * misses.mean():.2f} %"
+
+
 def test_one_point_on_each_fails_the_same_test():
     wrong = []
     for part in PARTS[::3]:
