@@ -205,7 +205,8 @@ void BlockLight::make_uncertain(Slot& slot, size_t i) {
   LookedItem looked;
   looked.point = item.point, looked.pixel = item.pixel, looked.luminaire = slot.luminaire;
   looked.set_light(slot.diffuse[i], slot.phong_of(i), settings_.display_scale);
-  looked.first_lit = item.first_lit, looked.first_dark = item.first_dark, looked.looks = item.looks, looked.looked = true;
+  looked.first_lit = item.first_lit, looked.first_dark = item.first_dark, looked.looks = item.looks,
+  looked.looked = true;
   refined_.push_back(looked);
 }
 

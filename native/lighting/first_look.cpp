@@ -44,8 +44,8 @@ std::span<const LookedItem> FirstLook::next(bool all_found, LightTally& tally) {
     for (size_t first = 0, last; first < items_.size(); first = last) {
       group_.clear();
       const LookedItem& one = items_[first];
-      for (last = first; last < items_.size() && items_[last].luminaire == one.luminaire &&
-                         items_[last].looks == one.looks;
+      for (last = first;
+           last < items_.size() && items_[last].luminaire == one.luminaire && items_[last].looks == one.looks;
            ++last)
         group_.push_back(quad_[items_[last].point - begin]);
       sampler_.look(std::span(items_).subspan(first, last - first), group_, tally);

@@ -27,7 +27,7 @@ class LightChoice {
   static constexpr uint32_t kGuides = 64;
   uint32_t begin_ = 0;
   std::vector<float> values_;
-  std::vector<double> until_;        // sum of values up to each element, itself included
+  std::vector<double> until_;            // sum of values up to each element, itself included
   std::array<uint32_t, kGuides> guide_;  // which element's sum is the first beyond each 64th of the total
 };
 
