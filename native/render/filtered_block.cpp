@@ -27,7 +27,7 @@ class FilteredBlock {
   std::span<Slot> slots(uint32_t p) { return frame_.of_pixel(p); }
   /// Penumbra on a smooth surface: rays from the centre serve.
   bool is_smooth(uint32_t p) const { return frame_.uncertain[p] && !frame_.edge[p]; }
-  /// Penumbra on the one surface that an edge shows so far: they serve, too.
+  /// Penumbra at an edge whose light comes from the centre: they serve, too.
   bool has_penumbra(uint32_t p) const;
   template <typename Function>
   void for_quads(Function function);
@@ -253,7 +253,7 @@ std::vector<uint32_t> FilteredBlock::pixels_of(const Rectangle& tile, Condition 
 /// For --debug-pixel.
 void FilteredBlock::tell(PixelTrace& trace) {
   const uint32_t p = trace.pixel;
-  const bool smooth = is_smooth(p);
+  const bool smooth = is_smooth(p) || has_penumbra(p);
   if (smooth) centres_.tell(trace);
   penumbra::tell(trace, pixels_[p], slots(p), uint32_t(c_.luminaires.size()), frame_.glossy ? 2 : 1, smooth);
 }
