@@ -28,6 +28,8 @@ constexpr double kDropShare = 0.25;
 /// it sends less than twice that at two. A pixel that is wholly wrong about it is off by no more; what 49
 /// points around a pixel can have missed is a twentieth of it (test_many_luminaires.py).
 constexpr double kDimSize = 2;
+/// Of so few luminaires all get all their points: fewer rays would save no time that could be measured.
+constexpr size_t kFewLooks = 4;
 
 enum Seen : uint8_t { kLit = 1, kDark = 2 };
 
@@ -87,7 +89,7 @@ class BlockLight final : public BlockLighting {
         memory_(block.memory),
         item_sampler_(geometry, luminaires_, sampler, points_, settings),
         first_look_(item_sampler_, block_, luminaires_, points_, settings_, kDropShare, memory_,
-                    kDimSize * settings_.tolerance),
+                    luminaires_.size() > kFewLooks ? kDimSize * settings_.tolerance : 0),
         zones_(memory_, block_.pixels(), kOutside),
         rays_(memory_),
         refined_(memory_),
