@@ -142,6 +142,41 @@ TEST(LightTree, PointsOfAGroupHaveItsFormFactorAsMean) {
   }
 }
 
+/// Oracle: the same group asked for one surface point. Few elements go through columns, many one by one; `u`
+/// may be rounded to 1.
+TEST(LightTree, ManySurfacePointsGetWhatEachGets) {
+  for (const int count : {2, 7, 40, 47, 48, 120}) {
+    Trials trials{uint32_t(count)};
+    const LightTree tree(many(count, trials));
+    std::vector<Luminaire> groups;
+    tree.append(tree.roots()[0], kUnshared, groups);
+    double sent = 0;
+    for (const Luminaire& group : groups) {
+      SurfaceColumns surfaces;
+      for (int i = 0; i < 16; ++i) surfaces.add(somewhere(trials, 2));
+      alignas(64) float u[kBatch], v[kBatch];
+      for (uint32_t i = 0; i < kBatch; ++i)
+        u[i] = i % 9 ? float(trials.uniform(0, 1)) : 1.0f, v[i] = float(trials.uniform(0, 1));
+      alignas(64) double form_factors[kBatch];
+      LightPoints all, own;
+      group.form_factors(surfaces, form_factors);
+      group.evaluate_each(surfaces, u, v, all, 4);
+      for (uint32_t i = 0; i < surfaces.count; ++i) {
+        EXPECT_EQ(form_factors[i], group.form_factor(surfaces.point(i))) << count;
+        alignas(64) float own_u[4], own_v[4];
+        for (uint32_t k = 0; k < 4; ++k) own_u[k] = u[k * 16 + i], own_v[k] = v[k * 16 + i];
+        group.evaluate(surfaces.point(i), own_u, own_v, 4, own);
+        for (uint32_t k = 0; k < 4; ++k) {
+          EXPECT_EQ(all.form_factor[k * 16 + i], own.form_factor[k]) << count;
+          EXPECT_EQ(all.x[k * 16 + i], own.x[k]) << count;
+          sent += double(own.form_factor[k]);
+        }
+      }
+    }
+    EXPECT_GT(sent, 0);
+  }
+}
+
 TEST(LightTree, KeepsKindsApart) {
   Trials trials(6);
   std::vector<Luminaire> luminaires = many(12, trials);
