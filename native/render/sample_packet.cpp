@@ -268,9 +268,10 @@ void SamplePacket::light_by_packet(const LitPoint& lit, uint32_t l, double form_
   static_assert(kCells * kCells == kPacket);
   const Luminaire& luminaire = c_.luminaires[l];
   alignas(64) float cell_u[kPacket], cell_v[kPacket];
+  constexpr float kBelow1 = 0x1.fffffep-1f;  // sums are rounded up to 1
   for (uint32_t k = 0; k < kPacket; ++k) {
-    cell_u[k] = (float(k % kCells) + u) / kCells;
-    cell_v[k] = (float(k / kCells) + v) / kCells;
+    cell_u[k] = std::min((float(k % kCells) + u) / kCells, kBelow1);
+    cell_v[k] = std::min((float(k / kCells) + v) / kCells, kBelow1);
   }
   const ShadingPoint shading(lit.surface, *lit.material, lit.ray_direction);
   LightBatch points;
