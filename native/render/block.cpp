@@ -120,10 +120,10 @@ void BlockRenderer::trace(uint32_t s, BlockLighting& lighting) {
     tally_.light.stop_if_cancelled();
     c_.geometry.find_surfaces(rays, kPacket, found);
     for (uint32_t i = 0; i < kPacket; ++i) {
-      const uint32_t bx = places[i].x - area_.x, by = places[i].y - area_.y;  // wraps below the area
-      if (bx >= block_.width || by >= block_.height) continue;
+      const uint32_t pixel = pixel_at(places[i], area_);
+      if (pixel == kOutside) continue;
       ++tally_.primary_rays;
-      follow(found, i, by * block_.width + bx, s);
+      follow(found, i, pixel, s);
     }
     lighting.look();
   });

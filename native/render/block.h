@@ -55,6 +55,13 @@ struct PixelPlace {
   uint32_t x, y;
 };
 
+/// Number of a pixel in a block of that area; kOutside if it lies there.
+inline constexpr uint32_t kOutside = ~0u;
+inline uint32_t pixel_at(const PixelPlace& place, const Rectangle& area) {
+  const uint32_t x = place.x - area.x, y = place.y - area.y;  // wraps below the area
+  return x < area.width && y < area.height ? y * area.width + x : kOutside;
+}
+
 /// Calls function with the places of kPacket pixels each, quads of 2 x 2 one after the other, that together
 /// cover the area: whole tiles of the frame, so that packets are the same wherever a block begins.
 template <typename Function>

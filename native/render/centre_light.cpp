@@ -43,14 +43,13 @@ CentreLight::CentreLight(const RenderContext& context, const Block& block, Filte
   points_.reserve(block.pixels());
 }
 
-/// Of pixels of the block, or ~0u.
 void CentreLight::look(std::span<const PixelPlace> places) {
   Ray rays[kPacket];
   HitColumns found;
   trace(places, rays, found);
   for (uint32_t i = 0; i < places.size(); ++i) {
-    const uint32_t p = pixel_at(places[i]);
-    if (p == kNone) continue;
+    const uint32_t p = pixel_at(places[i], frame_.area);
+    if (p == kOutside) continue;
     FilteredPixel& pixel = pixels_[p];
     ++tally_.primary_rays;
     if (!c_.paths.is_plain(found.hits[i])) continue;
@@ -86,14 +85,17 @@ void CentreLight::look_at_lights(bool all_found) {
   if (all_found) add_dropped_items();
 }
 
-/// A pixel sees of the dropped items what it sees of the others.
+/// A pixel sees of the dropped items, which come pixel by pixel, what it sees of the others.
 void CentreLight::add_dropped_items() {
+  uint32_t counted = kNone, lit = 0, dark = 0;
   for (const LookedItem& item : first_look_.dropped()) {
     if (!pixels_[item.pixel].plain) continue;
-    uint32_t lit = 0, dark = 0;
-    for (const Slot& slot : frame_.of_pixel(item.pixel)) {
-      lit += uint32_t(std::popcount(slot.first_lit));
-      dark += uint32_t(std::popcount(slot.first_dark));
+    if (item.pixel != counted) {
+      counted = item.pixel, lit = dark = 0;
+      for (const Slot& slot : frame_.of_pixel(item.pixel)) {
+        lit += uint32_t(std::popcount(slot.first_lit));
+        dark += uint32_t(std::popcount(slot.first_dark));
+      }
     }
     const double share = expected_share(lit, dark);
     FilteredPixel& pixel = pixels_[item.pixel];
@@ -126,11 +128,6 @@ void CentreLight::trace(std::span<const PixelPlace> places, Ray* rays, HitColumn
   for (size_t i = 0; i < places.size(); ++i)
     rays[i] = c_.camera.through(places[i].x + 0.5, places[i].y + 0.5);
   c_.geometry.find_surfaces(rays, uint32_t(places.size()), found);
-}
-
-uint32_t CentreLight::pixel_at(const PixelPlace& at) const {
-  const uint32_t x = at.x - frame_.area.x, y = at.y - frame_.area.y;  // wraps below the area
-  return x < block_.width && y < block_.height ? y * block_.width + x : kNone;
 }
 
 /// The surface points that a pixel's centre sees.

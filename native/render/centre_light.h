@@ -57,7 +57,6 @@ class CentreLight {
   uint32_t item_of(uint32_t p, uint32_t pair) const { return item_of_[size_t(p) * pairs_ + pair]; }
   bool uncertain(uint32_t p, uint32_t pair) const;
   void trace(std::span<const PixelPlace> places, Ray* rays, HitColumns& found) const;
-  uint32_t pixel_at(const PixelPlace& place) const;
   PathEnd follow(const HitColumns& found, uint32_t ray, uint32_t pixel, const PathRecord* record);
   void add_dropped_items();
   void trace_samples(std::span<const uint32_t> pixels);

@@ -121,18 +121,13 @@ void FilteredBlock::first_look() {
     const bool may_be_plain = !c_.pixel_rays.spread();
     if (may_be_plain) centres_.look(places);
     uint32_t pixels[kPacket], count = 0;
-    for (const PixelPlace& place : places) {
-      const uint32_t bx = place.x - area_.x, by = place.y - area_.y;  // wraps below the area
-      if (bx < block_.width && by < block_.height) pixels[count++] = by * block_.width + bx;
-    }
+    for (const PixelPlace& place : places)
+      if (const uint32_t p = pixel_at(place, area_); p != kOutside) pixels[count++] = p;
     const auto is_plain = [this](uint32_t p) { return pixels_[p].plain; };
     samples_.look_around({pixels, std::stable_partition(pixels, pixels + count, is_plain)});
     samples_.trace_each({std::stable_partition(pixels, pixels + count, is_plain), pixels + count}, 0,
                         kFirstSamples);
-    for (const PixelPlace& place : places) {
-      const uint32_t bx = place.x - area_.x, by = place.y - area_.y;
-      if (bx < block_.width && by < block_.height) compare(by * block_.width + bx);
-    }
+    for (uint32_t p : std::span(pixels, count)) compare(p);
     if (may_be_plain) centres_.look_at_lights(false);
   });
   centres_.look_at_lights(true);
