@@ -5,7 +5,7 @@ import bl_ui.properties_view_layer
 import bpy
 import numpy as np
 
-from . import in_place
+from . import in_place, native
 
 AREA_LIGHT_WATTS_OVER_FOUR_AREAS = bpy.app.version < (4, 0, 0)
 """The radiance of an area light of power P and area A: P / (4 A) before Blender 4.0, P / (pi A) since."""
@@ -107,11 +107,35 @@ def normals(mesh) -> tuple[str, np.ndarray] | None:
     smooth = in_place.column(mesh.polygons, "use_smooth", bool)
     if not smooth.any() and not mesh.has_custom_normals:
         return None
-    if smooth.all() and not mesh.use_auto_smooth and hasattr(mesh, "vertex_normals"):
-        return "POINT", in_place.column(mesh.vertex_normals, "vector", np.float32, 3)
+    if not mesh.use_auto_smooth:
+        return _normals_without_auto_smooth(mesh, smooth)
     mesh.calc_normals_split()
     values = np.empty((len(mesh.loops), 3), dtype=np.float32)
     mesh.loops.foreach_get("normal", values.ravel())
+    return "CORNER", values
+
+
+def _normals_without_auto_smooth(mesh, smooth: np.ndarray) -> tuple[str, np.ndarray]:
+    """normals() before Blender 4.1 of a mesh whose polygons are wholly smooth or flat.
+
+    Those of its vertices are made here: Blender's own are added up by several threads in whatever order (seen in 3.4;
+    not so with auto smooth), so that their last bits differ each time. The same scene would have another picture, and
+    its checkpoint would be refused.
+    """
+    positions = np.empty((len(mesh.vertices), 3), dtype=np.float32)
+    mesh.vertices.foreach_get("co", positions.ravel())
+    vertices = in_place.column(mesh.loops, "vertex_index", np.int32)
+    starts = in_place.column(mesh.polygons, "loop_start", np.int32)
+    totals = in_place.column(mesh.polygons, "loop_total", np.int32)
+    of_polygons = in_place.column(mesh.polygon_normals, "vector", np.float32, 3)
+    of_vertices = native.require().vertex_normals(positions, vertices, starts, totals, of_polygons)
+    if smooth.all():
+        return "POINT", of_vertices
+    values = of_vertices[vertices]
+    polygon = np.repeat(np.arange(len(totals)), totals)  # of each corner, in the order of the polygons
+    corner = np.arange(len(polygon)) + (starts - (np.cumsum(totals) - totals))[polygon]
+    flat = ~smooth[polygon]
+    values[corner[flat]] = of_polygons[polygon[flat]]
     return "CORNER", values
 
 

@@ -31,6 +31,8 @@ LAYOUTS = {
     "vertex_index": Layout(np.int32, 1, {8: 0, 4: 0}),  # MLoop; an array of its own since Blender 3.6
     "loops": Layout(np.int32, 3, {16: 0, 12: 0}),  # MLoopTri; its corners alone since 4.0
     "polygon_index": Layout(np.int32, 1, {16: 12}),  # MLoopTri
+    "loop_start": Layout(np.int32, 1, {12: 0}),  # MPoly
+    "loop_total": Layout(np.int32, 1, {12: 4}),  # MPoly
     "use_smooth": Layout(np.uint8, 1, {12: 10}, mask=1),  # MPoly
     "value": Layout(np.int32, 1, {4: 0}),
     "vector": Layout(np.float32, 3, {12: 0}),

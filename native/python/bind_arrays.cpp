@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Picking rows out of arrays, as NumPy's values[indices], but in one pass and from any strides.
+// What is made of a mesh's arrays before they go into a scene, in one pass each: rows picked out, as NumPy's
+// values[indices], from any strides, and normals of vertices.
 #include <cstring>
 
 #include "python/arrays.h"
 #include "python/bindings.h"
+#include "scene/vertex_normals.h"
 
 namespace penumbra::python {
 namespace {
@@ -44,6 +46,32 @@ py::array gather(const py::array& values, const py::array& indices) {
   return result;
 }
 
+template <typename T>
+using Rows = py::array_t<T, py::array::c_style | py::array::forcecast>;
+
+template <typename T>
+std::span<const T> numbers(const Rows<T>& array, const char* argument) {
+  check_shape(array, {kAny}, "vertex_normals", argument);
+  return {array.data(), size_t(array.size())};
+}
+
+std::span<const Vec3f> vectors(const Rows<float>& array, const char* argument) {
+  check_shape(array, {kAny, 3}, "vertex_normals", argument);
+  return {reinterpret_cast<const Vec3f*>(array.data()), size_t(array.shape(0))};
+}
+
+Rows<float> vertex_normals_of(const Rows<float>& positions, const Rows<int32_t>& corner_vertices,
+                              const Rows<int32_t>& starts, const Rows<int32_t>& totals,
+                              const Rows<float>& polygon_normals) {
+  const std::vector<Vec3f> normals =
+      vertex_normals(vectors(positions, "positions"), {numbers(starts, "starts"), numbers(totals, "totals"),
+                                                       numbers(corner_vertices, "corner_vertices"),
+                                                       vectors(polygon_normals, "polygon_normals")});
+  Rows<float> result({py::ssize_t(normals.size()), py::ssize_t(3)});
+  if (!normals.empty()) std::memcpy(result.mutable_data(), normals.data(), normals.size() * sizeof(Vec3f));
+  return result;
+}
+
 }  // namespace
 
 void bind_arrays(py::module_& module) {
@@ -52,6 +80,14 @@ void bind_arrays(py::module_& module) {
 
 values: (N,) or (N, K), float32 or 32-bit integers; indices: (M,) or (M, L), 32-bit integers; both with any strides.
 IndexError for an index beyond the end.)");
+  module.def(
+      "vertex_normals", &vertex_normals_of, py::arg("positions"), py::arg("corner_vertices"),
+      py::arg("starts"), py::arg("totals"), py::arg("polygon_normals"),
+      R"((V, 3) float32, the unit normal of each vertex: its polygons' normals weighted by their angles there.
+
+Added up in the order of the corners: the same bits each time.
+positions: (V, 3); corner_vertices: (C,) the vertex of each corner; starts, totals: (P,) the first corner of each
+polygon and how many it has; polygon_normals: (P, 3), unit length. IndexError for a vertex or corner that is not there.)");
 }
 
 }  // namespace penumbra::python

@@ -40,7 +40,7 @@ def read_mesh(mesh) -> MeshArrays:
     corner_normals = None
     if len(triangles) and (found := compat.normals(mesh)):
         domain, normals = found
-        corner_normals = normals.copy() if domain == "POINT" else gather(normals, corners)
+        corner_normals = normals if domain == "POINT" else gather(normals, corners)
     return MeshArrays(positions, triangles, corner_normals, material_slots)
 
 
