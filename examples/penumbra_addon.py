@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Makes the Penumbra add-on available to a script inside Blender, installed or not."""
+"""Makes the Penumbra add-on available inside Blender, installed or not: to a script, or run by itself (blender -P)."""
 
 import importlib
 import sys
@@ -35,3 +35,7 @@ def load() -> ModuleType:
     native = importlib.import_module(f"{package.__name__}.native")
     native.require()
     return package
+
+
+if __name__ == "__main__":
+    load()

@@ -5,6 +5,8 @@
         [--statistics S.json] [--set NAME=VALUE ...] [--multilayer] [--view VIEW.png] [--checkpoint DIR]
     blender -b FILE.blend -P examples/render.py -- --debug-pixel X,Y [--frame N] [--set NAME=VALUE ...]
     blender -b FILE.blend -P examples/render.py -- --report DIR [--report-pixels N] [--frame N] [--set NAME=VALUE ...]
+    blender -b -P examples/penumbra_addon.py FILE.blend -P examples/render.py -- ...    where the add-on is not enabled:
+        else Blender says "Error: Engine 'PENUMBRA' not available" of a file that was saved with it, and goes on
 
 Every option may be left out; without --output the scene's own path and format are used. The exit code is 0 only if
 every picture is there, whole: it is written to a temporary file beside its place, read back, then renamed. Any failure
@@ -137,6 +139,8 @@ def render_frame(scene, frame: int, target: Path, package) -> dict:
     """Renders one frame into `target` and returns its statistics; nothing is left behind if anything fails."""
     if not target.parent.is_dir():
         raise Failure(f"the folder {target.parent} does not exist")
+    if not any(layer.use for layer in scene.view_layers):  # Blender 3.4 would write a black picture, as EXR crash
+        raise Failure(f"scene {scene.name!r}: no view layer is used for rendering")
     camera = package.export.camera
     size = camera.frame_size(scene)
     if scene.render.use_border and scene.render.use_crop_to_border:
@@ -224,7 +228,8 @@ def run() -> int:
     try:
         main()
     except (Failure, BadPicture, RuntimeError, OSError) as error:
-        print(f"render.py: {str(error).strip().removeprefix('Error: ')}", file=sys.stderr)
+        lines = [line.removeprefix("Error: ") for line in str(error).strip().splitlines()]  # Blender's reports
+        print(f"render.py: {'; '.join(lines)}", file=sys.stderr)
     except Exception as error:
         traceback.print_exc()
         print(f"render.py: {type(error).__name__}: {error}", file=sys.stderr)

@@ -18,5 +18,5 @@ cmake --preset release
 cmake --build --preset release
 
 blender -b --factory-startup --python-exit-code 1 -P "$examples/make_four_objects.py"
-blender -b "$examples/four_objects.blend" --python-exit-code 1 -P "$examples/render.py" -- \
+blender -b --python-exit-code 1 -P "$examples/penumbra_addon.py" "$examples/four_objects.blend" -P "$examples/render.py" -- \
   --output "$output/four_objects.exr" --view "$output/four_objects.png" --statistics "$output/four_objects.json"

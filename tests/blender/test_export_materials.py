@@ -5,6 +5,7 @@ import bpy
 import numpy as np
 import pytest
 from helpers import add_plane, diffuse_material, render_pixels
+from penumbra import compat
 
 ORANGE = (0.8, 0.4, 0.1)
 
@@ -59,6 +60,19 @@ def test_principled_notes_what_it_leaves_out(notes_of):
     assert notes_of(material) == [
         "material 'Material': node 'Principled BSDF': Anisotropic not supported yet and ignored"
     ]
+
+
+@pytest.mark.skipif(
+    compat.PRINCIPLED_HAS_LAYERS, reason="diffuse takes the light that is let through since Blender 4.0"
+)
+def test_glass_is_black_and_a_note_says_so(lit_scene, notes_of):
+    material, node, _ = shader("ShaderNodeBsdfPrincipled")
+    node.inputs["Transmission"].default_value = 1.0
+    (note,) = notes_of(material)
+    assert note.startswith("material 'Material': node 'Principled BSDF': Transmission is not supported yet; its share")
+    assert render_pixels(lit_scene)[..., :3].max() == 0
+    node.inputs["Transmission"].default_value = 0.0
+    assert render_pixels(lit_scene)[..., :3].min() > 0
 
 
 @pytest.mark.skipif(bpy.app.version >= (5, 0), reason="materials always use nodes from Blender 5.0 on")

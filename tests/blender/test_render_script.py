@@ -103,6 +103,7 @@ def test_frames(run, blend_file):
         (["--set", "seed"], "expected NAME=VALUE"),
         (["--set", "sampler=SPRS"], "SPRS"),
         (["--output", "nowhere/out.exr"], "nowhere does not exist"),
+        (["--output", "/proc/out.exr"], "cannot save"),
         (["--output", "out.xyz"], "unknown extension '.xyz'"),
         (["--output", "out.png", "--multilayer"], "--multilayer needs an .exr file"),
         (["--output", "out.exr", "--statistics", "nowhere/s.json"], "statistics_file"),
@@ -125,6 +126,25 @@ def test_a_broken_scene(scene, run, blend_file):
     scene.camera.data.type = "PANO"
     bpy.ops.wm.save_as_mainfile(filepath=str(blend_file), check_existing=False)
     assert_fails(run("--output", "out.exr"), blend_file, "camera 'Round'")
+
+
+def test_no_view_layer_is_rendered(scene, run, blend_file):
+    scene.view_layers[0].use = False
+    bpy.ops.wm.save_as_mainfile(filepath=str(blend_file), check_existing=False)
+    assert_fails(run("--output", "out.exr"), blend_file, "scene 'Scene': no view layer is used for rendering")
+
+
+def test_the_addon_is_there_before_a_file_that_was_saved_with_it(scene, blend_file):
+    """Else Blender says "Error: Engine 'PENUMBRA' not available", a word that render farms fail on."""
+    scene.render.engine = "PENUMBRA"
+    bpy.ops.wm.save_as_mainfile(filepath=str(blend_file), check_existing=False)
+    process = subprocess.run(
+        [blender_program(), "-b", "--factory-startup", "-P", SCRIPT.with_name("penumbra_addon.py"), blend_file]
+        + ["-P", SCRIPT, "--", "--output", "out.exr"],
+        cwd=blend_file.parent, capture_output=True, text=True, timeout=HANGS_SECONDS,
+    )  # fmt: skip
+    assert process.returncode == 0 and pictures(blend_file) == ["out.exr"]
+    assert "Error:" not in process.stdout + process.stderr
 
 
 @pytest.mark.parametrize("options", [[], ["--multilayer"]])

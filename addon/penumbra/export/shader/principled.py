@@ -48,7 +48,9 @@ def burley(compiler: Compiler, place: Place, weight: int) -> None:
     value = {name: compiler.value(place, name) for name in (
         "Base Color", "Subsurface", "Subsurface Color", "Metallic", "Specular", "Specular Tint", "Roughness", "Sheen",
         "Sheen Tint", "Clearcoat", "Clearcoat Roughness", "Transmission")}  # fmt: skip
-    note_ignored(compiler, place, "Anisotropic", "Transmission", "Clearcoat Normal")
+    note_ignored(compiler, place, "Anisotropic", "Clearcoat Normal")
+    if program.known(value["Transmission"]) != BLACK:
+        compiler.note(place, "Transmission is not supported yet; its share of the surface is black")
     if program.known(value["Subsurface"]) != BLACK:
         compiler.note(place, "Subsurface is not supported yet; rendered as diffuse")
     base, metallic = value["Base Color"], program.clamped(value["Metallic"])
