@@ -27,8 +27,6 @@ from .shader import AttributeNames, Compiler, NoImages, Shaders
 from .visibility import role_of
 
 SHAPES = {"SQUARE": "RECTANGLE", "RECTANGLE": "RECTANGLE", "DISK": "ELLIPSE", "ELLIPSE": "ELLIPSE"}
-WIDEST_SUN = math.pi
-"""Blender allows more; a sun cannot fill more than half the sky."""
 
 
 def node_emission(native_module, light, issues: list[str]) -> Colour:
@@ -132,9 +130,7 @@ class Luminaires:
         if not matrix[:3, 2].any():
             issues[:] = ["its scale is zero, so it gives no light"]
             return
-        angle = min(light.angle, WIDEST_SUN)
-        if angle < light.angle:
-            issues.append("its angle was cut to 180 degrees")
+        angle = min(light.angle, math.pi)  # Blender's most, which single precision rounds up
         extent = 1.0 if compat.light_is_normalized(light) else extent_of_sun(angle)
         self._scene.add_sun(
             light_object.name, matrix[:3, 2], angle, sun_irradiance(light.energy * extent, colour, angle),
