@@ -16,6 +16,9 @@ inline constexpr uint32_t kFirstLook = 4;
 struct VisibilitySums {
   double f = 0, fv = 0, p = 0, pv = 0;
 
+  friend VisibilitySums operator+(const VisibilitySums& a, const VisibilitySums& b) {
+    return {a.f + b.f, a.fv + b.fv, a.p + b.p, a.pv + b.pv};
+  }
   friend VisibilitySums operator-(const VisibilitySums& a, const VisibilitySums& b) {
     return {a.f - b.f, a.fv - b.fv, a.p - b.p, a.pv - b.pv};
   }
@@ -57,9 +60,15 @@ struct LookedItem {
 struct BoundedItem : LookedItem {
   BoundedItem(const LookedItem& item) : LookedItem(item) {}
 
-  uint32_t count = 0, lit = 0, facing = 0;  // points used; those seen; those that could contribute
-  VisibilitySums sums, at_half, at_power;   // now, and at the two powers of two before
-  double variance = 0;                      // own estimate for `count` points, display units squared
+  uint32_t count = 0, lit = 0, facing = 0;         // points used; those seen; those that could contribute
+  VisibilitySums sums, at_half, at_power;          // now, and at the two powers of two before
+  double variance = 0;                             // own estimate for these points, display units squared
+  uint32_t lines = 0;                              // in place of the points, if any; the sums are theirs then
+  float line_offset = 0;                           // see Chords::sum(), of all
+  double half_variance = 0, quarter_variance = 0;  // estimates for half and a quarter of the lines
+  bool never_lines = false;                        // it was tried
+
+  uint32_t used() const { return lines > 0 ? lines : count; }
 
   /// Ratio estimate of the shadowed radiance.
   Vec3d radiance() const { return diffuse_radiance() + glossy_radiance(); }

@@ -159,7 +159,7 @@ LightDecision BlockLight::decision(const Slot& slot, size_t i) const {
   const uint32_t bounce = points_[item.point].bounce;
   if (item.uncertain()) {
     const BoundedItem& refined = refined_[item.refined];
-    return {bounce, slot.luminaire, "may be in penumbra", refined.count, refined.radiance()};
+    return {bounce, slot.luminaire, "may be in penumbra", refined.used(), refined.radiance()};
   }
   return item.first_lit ? LightDecision{bounce, slot.luminaire, "wholly seen", item.looks, slot.unshadowed(i)}
                         : LightDecision{bounce, slot.luminaire, "wholly hidden", item.looks, {}};
@@ -285,7 +285,7 @@ void BlockLight::refine_tiles() {
   const TileRefiner refiner(item_sampler_, points_, block_, settings_);
   for (auto& tile : tiles) {
     refiner.refine(tile, out_, tally_);
-    for (const BoundedItem* item : tile) out_[item->pixel].points += item->count;
+    for (const BoundedItem* item : tile) out_[item->pixel].points += item->used();
   }
   for (uint32_t y = 0; y < block_.core_height; ++y) {
     const uint32_t row = (block_.core_y + y) * block_.width + block_.core_x;

@@ -14,6 +14,7 @@ struct BoundedSettings {
   double tolerance;      // display units
   double display_scale;  // display = radiance x this
   uint32_t max_light_samples;
+  bool lines = false;  // across luminaires in place of many points, where they may be
 };
 
 class BoundedLight final : public Lighting {

@@ -13,6 +13,24 @@ namespace {
 /// tile needs nothing of the next one.
 constexpr int kPool = 2;
 
+/// 32 lines take less time than n points where less than this number of triangles may be in the way, n = 8
+/// sqrt(triangles) + triangles / 10 (tests/benchmarks/README.md): among leaves, wires, solid and finely
+/// tessellated objects alike, within a factor of 2.
+double most_occluders(double points) {
+  const double root = std::sqrt(1600 + 10 * points) - 40;
+  return root * root;
+}
+/// A line counts as so many points where their number is limited: their error is the same.
+constexpr uint32_t kPointsOfLine = 16;
+/// The first lines.
+constexpr uint32_t kFirstLines = 32;
+/// They are tried where so many points are wanted, and with twice as many at once where it is many.
+constexpr double kLeastWanted = 64, kManyWanted = 1000;
+
+/// How much smaller a variance may be expected to be by twice as many lines: as for an edge that bends; where
+/// all differ.
+constexpr double kLeastGain = 1.0 / 8, kMostGain = 0.5;
+
 }  // namespace
 
 TileItems::TileItems(const std::vector<BoundedItem*>& items, const std::vector<LitPoint>& points,
@@ -45,7 +63,7 @@ void TileItems::for_neighbours(const BoundedItem& item, int reach, Function func
   for (int j = std::max(y - reach, 0); j <= std::min(y + reach, last); ++j)
     for (int i = std::max(x - reach, 0); i <= std::min(x + reach, last); ++i) {
       const Known& known = slot[j * int(kTile) + i];
-      if (known.count > 0) function(known.count, known.variance);
+      if (known.count > 0 && known.lines == (item.lines > 0)) function(known);
     }
 }
 
@@ -54,16 +72,75 @@ TileRefiner::TileRefiner(const ItemSampler& sampler, const std::vector<LitPoint>
     : sampler_(sampler), points_(points), block_(block), settings_(settings) {}
 
 double TileRefiner::error(const BoundedItem& item, const TileItems& items) const {
+  if (item.lines > 0) return line_error(item, items);
   if (item.facing == 0) return item.size();  // all points below the horizon tell nothing
   // Where a luminaire is mostly below it, only the points above count as points.
   const double n = item.count, p = (item.lit + 1.0) / (item.facing + 2.0);
   const double smoothed =
       kItemCalibration.smoothed * item.size() * std::sqrt(p * (1 - p)) * std::pow(item.facing, -0.75);
   PooledVariance pooled(smoothed * smoothed, kItemCalibration.prior_weight);
-  items.for_neighbours(item, kPool, [&](uint32_t count, double variance) {
-    if (count >= kPacket) pooled.add(variance, count / n, 1.5);
+  items.for_neighbours(item, kPool, [&](const TileItems::Known& known) {
+    if (known.count >= kPacket) pooled.add(known.variance, known.count / n, 1.5);
   });
   return std::sqrt(pooled.mean());
+}
+
+/// How much smaller the variance is by half of the lines than by a quarter tells how much smaller it is by
+/// all.
+double TileRefiner::line_error(const BoundedItem& item, const TileItems& items) const {
+  const double n = item.lines, seen = item.sums.f > 0 ? item.sums.fv / item.sums.f : 0,
+               p = (n * seen + 1) / (n + 2);
+  const double smoothed =
+      kLineCalibration.smoothed * item.size() * std::sqrt(p * (1 - p)) * std::pow(n, -1.5);
+  PooledVariance halves(0, 0), quarters(0, 0);
+  uint32_t neighbours = 0;
+  items.for_neighbours(item, kPool, [&](const TileItems::Known& known) {
+    halves.add(known.variance, known.count / n, 3.0);
+    quarters.add(known.quarter_variance, known.count / n, 3.0);
+    ++neighbours;
+  });
+  const double gain =
+      quarters.mean() > 0 ? std::clamp(halves.mean() / quarters.mean(), kLeastGain, kMostGain) : kMostGain;
+  const double prior = kLineCalibration.prior_weight;
+  const double pooled =
+      (prior * smoothed * smoothed + neighbours * gain * halves.mean()) / (prior + neighbours);
+  // Whatever neighbours tell: an edge along the lines is one item's alone.
+  return std::sqrt(std::max(pooled, gain * item.half_variance));
+}
+
+bool TileRefiner::can_advance(const BoundedItem& item) const {
+  if (item.lines == 0) return next_level(item.count) <= settings_.max_light_samples;
+  return 2 * item.lines <= settings_.max_light_samples / kPointsOfLine;
+}
+
+/// points_wanted: what points alone would probably take.
+void TileRefiner::advance(BoundedItem& item, double points_wanted, LineSearch& search,
+                          LightTally& tally) const {
+  if (item.lines > 0) {
+    if (sampler_.advance_lines(item, 2 * item.lines, ~0u, search.chords, tally) == LinesTaken::kYes) return;
+    BoundedItem again{LookedItem(item)};
+    again.never_lines = true;
+    sampler_.advance(again, item.count, tally);
+    item = again;
+  }
+  const double wanted = std::min(points_wanted, double(settings_.max_light_samples));
+  if (wanted >= kLeastWanted && kFirstLines * kPointsOfLine <= settings_.max_light_samples &&
+      sampler_.may_use_lines(item)) {
+    const auto most = uint32_t(most_occluders(wanted));
+    if (most / 2 >= search.refused) {
+      const uint32_t lines = wanted < kManyWanted ? kFirstLines : 2 * kFirstLines;
+      switch (sampler_.advance_lines(item, lines, most, search.chords, tally)) {
+        case LinesTaken::kYes:
+          return;
+        case LinesTaken::kTooDear:
+          search.refused = std::max(search.refused, most);
+          break;
+        case LinesTaken::kUnfit:
+          item.never_lines = true;
+      }
+    }
+  }
+  sampler_.advance(item, next_level(item.count), tally);
 }
 
 void TileRefiner::refine(std::vector<BoundedItem*>& items, std::vector<PixelLight>& pixels,
@@ -75,19 +152,22 @@ void TileRefiner::refine(std::vector<BoundedItem*>& items, std::vector<PixelLigh
   }
   TileItems tile(items, points_, block_);
   std::vector<std::pair<BoundedItem*, double>> errors;
+  LineSearch search;
   bool again = true;
   while (again) {
     again = false;
-    std::vector<BoundedItem*> to_advance;
+    std::vector<std::pair<BoundedItem*, double>> to_advance;  // and the points that it probably takes
     for (auto& [pixel, own] : by_pixel) {
       if (own.empty()) continue;
-      double variance = 0;
+      double variance = 0, reported = 0;
       Vec3d radiance = pixels[pixel].radiance;
       errors.clear();
       for (BoundedItem* item : own) {
         const double e = error(*item, tile);
         errors.emplace_back(item, e);
         variance += e * e;
+        const double report = (item->lines > 0 ? kLineCalibration : kItemCalibration).report * e;
+        reported += report * report;
         radiance += item->radiance();
       }
       const double charged = pixels[pixel].error;
@@ -98,9 +178,9 @@ void TileRefiner::refine(std::vector<BoundedItem*>& items, std::vector<PixelLigh
       if (!done) {
         bool can = false;
         for (auto& [item, e] : errors) {
-          if (e * e <= allowed * allowed / double(own.size())) continue;
-          if (next_level(item->count) > settings_.max_light_samples) continue;
-          to_advance.push_back(item);
+          const double share = allowed / std::sqrt(double(own.size()));
+          if (e <= share || !can_advance(*item)) continue;
+          to_advance.emplace_back(item, item->count * std::pow(e / share, 4.0 / 3));
           can = true;
         }
         if (!can) {
@@ -110,11 +190,13 @@ void TileRefiner::refine(std::vector<BoundedItem*>& items, std::vector<PixelLigh
       }
       if (!done) continue;
       pixels[pixel].radiance = radiance;
-      pixels[pixel].error = charged + kItemCalibration.report * std::sqrt(variance);
+      pixels[pixel].error = charged + std::sqrt(reported);
       own.clear();
     }
-    for (BoundedItem* item : to_advance) {
-      sampler_.advance(*item, next_level(item->count), tally);
+    std::sort(to_advance.begin(), to_advance.end(),
+              [&](const auto& a, const auto& b) { return tile.index(*a.first) < tile.index(*b.first); });
+    for (auto& [item, points] : to_advance) {
+      advance(*item, points, search, tally);
       tile.update(*item);
       again = true;
     }

@@ -2,11 +2,13 @@
 #include "lighting/item_sampler.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "lighting/light_batch.h"
 #include "lighting/lobe_colours.h"
 #include "lighting/pooled_error.h"
 #include "sampling/hash.h"
+#include "visibility/chords.h"
 
 namespace penumbra {
 namespace {
@@ -44,6 +46,25 @@ size_t end_of_groups(std::span<const uint32_t> group, size_t begin) {
   size_t end = most;
   while (end > begin && group[end - 1] == group[end]) --end;
   return end > begin ? end : most;
+}
+
+float fraction(float x) {
+  return x - std::floor(x);
+}
+
+/// As Chords::sum(), of any number; of many, only the sums of even and odd ones are apart.
+std::optional<std::array<ChordSums, 4>> sum_lines(Chords& chords, uint32_t count, float offset,
+                                                  const LightTally& tally) {
+  if (count <= Chords::kMost) return chords.sum(count, offset);
+  std::array<ChordSums, 4> sums;
+  const uint32_t sets = count / Chords::kMost;
+  for (uint32_t i = 0; i < sets; ++i) {
+    tally.stop_if_cancelled();
+    const auto set = chords.sum(Chords::kMost, (offset + float(i)) / float(sets));
+    if (!set) return std::nullopt;
+    for (const ChordSums& part : *set) sums[i % 2] = sums[i % 2] + part;
+  }
+  return sums;
 }
 
 }  // namespace
@@ -158,6 +179,56 @@ void ItemSampler::advance(BoundedItem& item, uint32_t target, LightTally& tally)
     item.at_half = item.at_power;
     item.at_power = item.sums;
   }
+}
+
+bool ItemSampler::may_use_lines(const BoundedItem& item) const {
+  const Luminaire& luminaire = luminaires_[item.luminaire];
+  const Closures& material = *points_[item.point].material;
+  return settings_.lines && !item.never_lines && !material.has_glossy() && !material.has_diffuse_lobes &&
+         luminaire.casts_shadow() && luminaire.shadow_kind().mask == kShadowRay &&
+         luminaire.emitter().parallelogram() && geometry_.occluders();
+}
+
+LinesTaken ItemSampler::advance_lines(BoundedItem& item, uint32_t lines, uint32_t most, Chords& chords,
+                                      LightTally& tally) const {
+  tally.stop_if_cancelled();
+  const auto luminaire = luminaires_[item.luminaire].emitter().parallelogram();
+  alignas(64) float u[kPacket], v[kPacket];
+  sampler_.points(key(item), 0, kPacket, u, v);
+  // A direction of its own for each: an edge along it is seldom seen so by neighbours, too.
+  const auto view = LuminaireView::from(points_[item.point].surface, *luminaire, v[0]);
+  if (!view) return LinesTaken::kUnfit;
+  if (!chords.look(*geometry_.occluders(), *view, most)) return LinesTaken::kTooDear;
+  const auto half = [](const ChordSums& a, const ChordSums& b) {
+    return VisibilitySums{a.all + b.all, a.seen + b.seen, 0, 0};
+  };
+  // Estimates of the variance of half of the lines, by a pair of halves that interleave.
+  const auto of_pair = [&](const VisibilitySums& a, const VisibilitySums& b) {
+    const double difference = item.display(a) - item.display(b);
+    return difference * difference / 2;
+  };
+  const bool first = item.lines == 0;
+  float offset = first ? u[0] : item.line_offset;
+  // At first all of them, then as many again, half way between those that are there.
+  const auto sums =
+      sum_lines(chords, first ? lines : lines / 2, first ? offset : fraction(offset + 0.5f), tally);
+  if (!sums) return LinesTaken::kUnfit;
+  const auto& [a, b, c, d] = *sums;
+  const VisibilitySums even = half(a, c), odd = half(b, d), added = even + odd;
+  if (first) {
+    item.half_variance = of_pair(even, odd);
+    item.quarter_variance = (of_pair(half(a, {}), half(c, {})) + of_pair(half(b, {}), half(d, {}))) / 2;
+    item.sums = added;
+  } else {
+    item.quarter_variance = (item.half_variance + of_pair(even, odd)) / 2;
+    item.half_variance = of_pair(item.sums, added);
+    item.sums = item.sums + added;
+    offset = fraction(2 * offset);
+  }
+  item.line_offset = offset;
+  tally.light_lines += lines - item.lines;
+  item.lines = lines;
+  return LinesTaken::kYes;
 }
 
 }  // namespace penumbra

@@ -9,6 +9,10 @@
 
 namespace penumbra {
 
+class Chords;
+
+enum class LinesTaken { kYes, kTooDear, kUnfit };
+
 class ItemSampler {
  public:
   ItemSampler(const Geometry& geometry, std::span<const Luminaire> luminaires, const Sampler& sampler,
@@ -28,6 +32,13 @@ class ItemSampler {
 
   /// Adds points up to `count` (16, or a later level), shadow rays included.
   void advance(BoundedItem& item, uint32_t count, LightTally& tally) const;
+
+  /// Whether lines across the luminaire tell all about it that points do.
+  bool may_use_lines(const BoundedItem& item) const;
+  /// So many lines instead of its points, or twice as many as it has; nothing changes where they are not
+  /// taken: more triangles than `most` may be in the way, or lines are not good enough.
+  LinesTaken advance_lines(BoundedItem& item, uint32_t lines, uint32_t most, Chords& chords,
+                           LightTally& tally) const;
 
  private:
   StreamKey key(const LookedItem& item) const;

@@ -67,6 +67,7 @@ struct LightTally {
   uint64_t light_points = 0;             // used in an estimate
   uint64_t shadow_rays = 0;              // traced, those beyond the stop included
   uint64_t shadow_rays_beyond_stop = 0;  // traced with a packet whose earlier points were enough
+  uint64_t light_lines = 0;              // across luminaires, instead of points
   uint64_t decided_without_ray = 0;      // pairs of surface point and luminaire
   PixelTrace* trace = nullptr;           // told of one pixel, if there is one
   /// Set by whoever no longer wants the picture.
@@ -81,6 +82,7 @@ struct LightTally {
     light_points += o.light_points;
     shadow_rays += o.shadow_rays;
     shadow_rays_beyond_stop += o.shadow_rays_beyond_stop;
+    light_lines += o.light_lines;
     decided_without_ray += o.decided_without_ray;
     return *this;
   }

@@ -3,9 +3,11 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "luminaire/light_element.h"
+#include "math/parallelogram.h"
 #include "scene/surface_columns.h"
 
 namespace penumbra {
@@ -54,6 +56,9 @@ class Emitter {
   /// for surface i.
   virtual void evaluate_each(const SurfaceColumns& surfaces, const float* u, const float* v, uint32_t points,
                              LightPoints& out) const;
+
+  /// Of a luminaire that is one, of constant radiance.
+  virtual std::optional<Parallelogram> parallelogram() const { return {}; }
 
   /// What the line sees of the emitter itself: radiance towards its origin, in the unit of form factors. Zero
   /// for what is seen otherwise: meshes are surfaces, the sky is the background.

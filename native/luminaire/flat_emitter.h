@@ -32,6 +32,10 @@ class FlatEmitter final : public Emitter {
                 LightPoints& out) const override;
   void evaluate_each(const SurfaceColumns& surfaces, const float* u, const float* v, uint32_t points,
                      LightPoints& out) const override;
+  std::optional<Parallelogram> parallelogram() const override {
+    if (shape_ != LuminaireShape::kRectangle) return std::nullopt;
+    return Parallelogram{corner_, edge_u_, edge_v_};
+  }
   double seen_along(const SightLine& line) const override;
   std::vector<LightElement> elements() const override;
 

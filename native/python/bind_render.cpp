@@ -160,8 +160,9 @@ class PythonRender {
         "seconds"_a = py::dict("build"_a = build_seconds_, "render"_a = s.seconds),
         "primary_rays"_a = t.primary_rays, "mirror_rays"_a = t.mirror_rays,
         "shadow_rays"_a = t.light.shadow_rays, "shadow_rays_beyond_stop"_a = t.light.shadow_rays_beyond_stop,
-        "light_points"_a = t.light.light_points, "points_without_ray"_a = t.light.decided_without_ray,
-        "pixels_at_sample_limit"_a = t.pixels_at_limit, "non_finite_pixels"_a = t.non_finite_pixels,
+        "light_points"_a = t.light.light_points, "light_lines"_a = t.light.light_lines,
+        "points_without_ray"_a = t.light.decided_without_ray, "pixels_at_sample_limit"_a = t.pixels_at_limit,
+        "non_finite_pixels"_a = t.non_finite_pixels,
         "error_tolerance"_a = renderer_->settings().error_tolerance,
         "error_estimate"_a = py::dict("mean"_a = s.error_mean, "p99"_a = s.error_p99, "max"_a = s.error_max),
         "warnings"_a = warnings);

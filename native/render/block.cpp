@@ -201,7 +201,7 @@ void BlockRenderer::write(uint32_t pixel, uint32_t x, uint32_t y, const PixelSum
 }  // namespace
 
 RenderTally::RenderTally(const Counts& c, std::string first_non_finite_pixel)
-    : light{c[0], c[1], c[2], c[3], nullptr, nullptr},
+    : light{c[0], c[1], c[2], c[8], c[3], nullptr, nullptr},
       primary_rays(c[4]),
       mirror_rays(c[5]),
       pixels_at_limit(c[6]),
@@ -211,7 +211,7 @@ RenderTally::RenderTally(const Counts& c, std::string first_non_finite_pixel)
 RenderTally::Counts RenderTally::counts() const {
   return {light.light_points,        light.shadow_rays, light.shadow_rays_beyond_stop,
           light.decided_without_ray, primary_rays,      mirror_rays,
-          pixels_at_limit,           non_finite_pixels};
+          pixels_at_limit,           non_finite_pixels, light.light_lines};
 }
 
 RenderTally& RenderTally::operator+=(const RenderTally& o) {

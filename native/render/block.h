@@ -39,7 +39,7 @@ struct RenderTally {
   std::string first_non_finite;  // which pixel, and the object seen there
 
   /// All numbers in a fixed order, for a checkpoint.
-  using Counts = std::array<uint64_t, 8>;
+  using Counts = std::array<uint64_t, 9>;
   RenderTally() = default;
   RenderTally(const Counts& counts, std::string first_non_finite_pixel);
   Counts counts() const;

@@ -30,8 +30,7 @@ CentreLight::CentreLight(const RenderContext& context, const Block& block, Filte
       pixels_(pixels),
       tally_(tally),
       parts_(parts),
-      settings_{context.settings.error_tolerance, std::exp2(context.settings.exposure),
-                context.settings.max_light_samples},
+      settings_(context.settings.bounded_settings(context.geometry)),
       luminaires_(uint32_t(context.luminaires.size())),
       lobes_(frame.glossy ? 2 : 1),
       pairs_(luminaires_ * context.paths.length()),
@@ -313,7 +312,7 @@ void CentreLight::refine(std::span<const uint32_t> pixels, const Rectangle& tile
       if (item_of(p, pair) != kNone) items.push_back(&items_[item_of(p, pair)]);
   }
   TileRefiner(sampler_, points_, block_, settings_).refine(items, light_, tally_.light);
-  for (const BoundedItem* item : items) light_[points_[item->point].pixel].points += item->count;
+  for (const BoundedItem* item : items) light_[points_[item->point].pixel].points += item->used();
   keep_smooth(smooth, tile, false);
 }
 

@@ -85,9 +85,7 @@ std::unique_ptr<Lighting> make_lighting(const Geometry& geometry, const Sampler&
                                         const RenderSettings& settings) {
   const double display_scale = std::exp2(settings.exposure);
   if (settings.stop_rule == StopRuleKind::kBounded)
-    return std::make_unique<BoundedLight>(
-        geometry, sampler,
-        BoundedSettings{settings.error_tolerance, display_scale, settings.max_light_samples});
+    return std::make_unique<BoundedLight>(geometry, sampler, settings.bounded_settings(geometry));
   return std::make_unique<DirectLight>(geometry, sampler, settings.stop_settings(), display_scale);
 }
 

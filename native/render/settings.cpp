@@ -105,6 +105,15 @@ std::string RenderSettings::description() const {
   return text.str();
 }
 
+BoundedSettings RenderSettings::bounded_settings(const Geometry& geometry) const {
+  // Lines want a tree of the triangles, half a microsecond each. At 0.004 they save 5 microseconds a pixel in
+  // loose foliage and 50 in dense (tests/benchmarks/README.md); the points that they save grow as n^-3/4.
+  constexpr double kTrianglesPerPixel = 10, kTolerance = 0.004;
+  const double most =
+      kTrianglesPerPixel * std::pow(kTolerance / error_tolerance, 4.0 / 3) * double(width) * double(height);
+  return {error_tolerance, std::exp2(exposure), max_light_samples, double(geometry.triangles()) <= most};
+}
+
 StopSettings RenderSettings::stop_settings() const {
   return {stop_rule, light_samples, max_light_samples, check_interval, error_tolerance / std::exp2(exposure)};
 }

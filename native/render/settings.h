@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "lighting/bounded_light.h"
 #include "lighting/stop_rule.h"
 #include "render/pixel_filter.h"
 #include "sampling/sampler.h"
@@ -58,6 +59,7 @@ struct RenderSettings {
   std::string description() const;
 
   StopSettings stop_settings() const;
+  BoundedSettings bounded_settings(const Geometry& geometry) const;
   SamplerSettings sampler_settings() const;
 };
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <mutex>
 #include <vector>
 
 #include "scene/memory_limit.h"
@@ -15,6 +16,8 @@
 #include "visibility/placed_mesh.h"
 
 namespace penumbra {
+
+class OccluderTree;
 
 /// Which triangle a ray meets, and no more.
 struct Primitive {
@@ -48,6 +51,7 @@ class Geometry {
   /// precision. opacity: where given, shadow rays pass surfaces of materials that may be transparent.
   Geometry(std::vector<Mesh> meshes, std::vector<Instance> instances, uint64_t memory_limit = 0,
            std::shared_ptr<const Opacity> opacity = nullptr);
+  ~Geometry();
 
   const Normalization& normalization() const { return normalization_; }
   RTCScene embree_scene() const { return scene_.get(); }
@@ -62,6 +66,10 @@ class Geometry {
     return !has_shared_meshes_ && !has_transparency() && triangle_count_ >= 10'000;
   }
   bool has_transparency() const { return opacity_ != nullptr; }
+  /// For chords of luminaires whose shadow rays have the mask kShadowRay, built when it is first asked for;
+  /// null unless all there is are still, opaque triangles that are in the way of such rays, each mesh used
+  /// once. Nor is there one under a memory limit: whether it is there must not depend on what else is.
+  const OccluderTree* occluders() const;
   /// Something is elsewhere at another time.
   bool moves() const { return moves_; }
 
@@ -139,7 +147,9 @@ class Geometry {
   std::vector<std::shared_ptr<const PlacedMesh>> meshes_;
   std::vector<PlacedInstance> instances_;
   embree::SceneHandle scene_;
-  bool has_shared_meshes_ = false, moves_ = false;
+  bool has_shared_meshes_ = false, moves_ = false, has_strands_ = false, all_cast_shadows_ = true;
+  mutable std::once_flag occluders_wanted_;
+  mutable std::unique_ptr<const OccluderTree> occluders_;
   uint64_t triangle_count_ = 0;
   std::vector<std::string> notes_;
 };

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "visibility/geometry.h"
+#include "visibility/occluder_tree.h"
 #include "visibility/useless_triangles.h"
 
 namespace penumbra {
@@ -160,6 +161,8 @@ Geometry::Geometry(std::vector<Mesh> meshes, std::vector<Instance> instances, ui
       for (const Affine& pose : placed.object_motion) bounds_.include(transformed(box, pose));
       moves_ = moves_ || !placed.object_motion.empty() || mesh.deforms();
       triangle_count_ += mesh.primitives();
+      has_strands_ = has_strands_ || mesh.strands != StrandShape::kNone;
+      all_cast_shadows_ = all_cast_shadows_ && instance.rays & kShadowRay;
     }
     instances_.push_back(std::move(placed));
   }
@@ -168,6 +171,21 @@ Geometry::Geometry(std::vector<Mesh> meshes, std::vector<Instance> instances, ui
   meshes.shrink_to_fit();
   rtcCommitScene(scene_.get());
   device_->check_build("the whole scene");
+}
+
+Geometry::~Geometry() = default;
+
+const OccluderTree* Geometry::occluders() const {
+  if (has_shared_meshes_ || moves_ || has_strands_ || has_transparency() || !all_cast_shadows_ ||
+      device_->memory.limit() > 0)
+    return nullptr;
+  std::call_once(occluders_wanted_, [this] {
+    std::vector<OccluderTree::Part> parts;
+    for (const PlacedInstance& instance : instances_)
+      if (instance.render_from_object.determinant() != 0) parts.push_back({meshes_[instance.mesh].get()});
+    occluders_ = std::make_unique<OccluderTree>(*device_, parts);
+  });
+  return occluders_.get();
 }
 
 /// A stray object can make the scene so large that single precision knows nothing of the others' shapes.

@@ -13,10 +13,6 @@
 namespace penumbra {
 namespace {
 
-/// Rays end this fraction short of the luminaire, so that a face in the luminaire's own plane (a lamp's
-/// glass, a ceiling it is let into) is on neither side of a rounding error.
-constexpr float kReach = 1.0f - 0x1p-18f;
-
 /// Embree refuses directions beyond 1.8e18: those beyond kFar are shrunk, and reach as much further.
 constexpr float kFar = 1e18f, kShrink = 0x1p-40f;
 
@@ -40,7 +36,7 @@ void fill(const ShadowOrigin& origin, RayMask mask, uint32_t packets, const floa
       const float shrink = size > kFar ? kShrink : 1.0f;
       packet.dir_x[i] *= shrink, packet.dir_y[i] *= shrink, packet.dir_z[i] *= shrink;
       packet.tnear[i] = 0.0f;
-      packet.tfar[i] = kReach / shrink;
+      packet.tfar[i] = kShadowReach / shrink;
       packet.time[i] = o.time;
       packet.mask[i] = mask;
     }
@@ -86,7 +82,7 @@ void find_rays(const ShadowOrigins& o, const float* x, const float* y, const flo
                 dz = (z[i] + (front ? fdz : bdz)) * shrink;
     out.org_x[i] = ox, out.org_y[i] = oy, out.org_z[i] = oz;
     out.dir_x[i] = dx, out.dir_y[i] = dy, out.dir_z[i] = dz;
-    out.tfar[i] = kReach / shrink;
+    out.tfar[i] = kShadowReach / shrink;
     out.time[i] = o.time[i];
     // Sums of magnitudes: finite where all are.
     const float reach = std::abs(ox) + std::abs(oy) + std::abs(oz),
@@ -119,12 +115,12 @@ float draw(const RTCRay16& packet, uint32_t i) {
          0x1p-24f;
 }
 
-ShadowSide side(const SurfacePoint& surface, double sign) {
+}  // namespace
+
+ShadowSide shadow_side(const SurfacePoint& surface, double sign) {
   const Vec3f origin(surface.position + surface.geometric_normal * (sign * surface.rounding));
   return {origin, Vec3f(surface.position - Vec3d(origin))};
 }
-
-}  // namespace
 
 ShadowOrigins::ShadowOrigins(const SurfaceColumns& surfaces) : count(surfaces.count) {
   find_side(surfaces, 1, front);
@@ -143,7 +139,8 @@ ShadowRayColumns::ShadowRayColumns(const ShadowOrigins& origins, const float* x,
 
 ShadowRays::ShadowRays(const Geometry& geometry, const SurfacePoint& surface, ShadowKind kind)
     : geometry_(geometry),
-      origin_{Vec3f(surface.geometric_normal), side(surface, 1), side(surface, -1), float(surface.time)},
+      origin_{Vec3f(surface.geometric_normal), shadow_side(surface, 1), shadow_side(surface, -1),
+              float(surface.time)},
       kind_(kind),
       usable_(is_finite(origin_.front.origin) && is_finite(origin_.back.origin)) {}
 

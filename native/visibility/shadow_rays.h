@@ -13,6 +13,13 @@ struct ShadowSide {
   Vec3f origin, to_surface_point;
 };
 
+/// sign: 1 or -1, that of the geometric normal or the other.
+ShadowSide shadow_side(const SurfacePoint& surface, double sign);
+
+/// Rays end this fraction short of the luminaire, so that a face in the luminaire's own plane (a lamp's
+/// glass, a ceiling it is let into) is on neither side of a rounding error.
+inline constexpr float kShadowReach = 1.0f - 0x1p-18f;
+
 /// A smooth normal can light a point from behind its own facet; only other facets may shadow it then, so rays
 /// to either side start on that side.
 struct ShadowOrigin {
