@@ -109,8 +109,9 @@ inline void find_functions(const Leaf& leaf, const LuminaireView& view, const Pr
     const auto reaches = [](float k, float along_u, float along_v) {
       return k + (along_u > 0 ? along_u : 0.0f) + (along_v > 0 ? along_v : 0.0f) >= 0;
     };
-    out.hides[i] = (side * volume > 0) & reaches(k0, u0, v0) & reaches(k1, u1, v1) & reaches(k2, u2, v2) &
-                   reaches(k3, u3, v3);
+    const bool reaches_0 = reaches(k0, u0, v0), reaches_1 = reaches(k1, u1, v1),
+               reaches_2 = reaches(k2, u2, v2), reaches_end = reaches(k3, u3, v3);
+    out.hides[i] = (side * volume > 0) & reaches_0 & reaches_1 & reaches_2 & reaches_end;
     out.constant[0][i] = k0, out.constant[1][i] = k1, out.constant[2][i] = k2, out.constant[3][i] = k3;
     out.slope[0][i] = v0, out.slope[1][i] = v1, out.slope[2][i] = v2, out.slope[3][i] = v3;
     out.speed[0][i] = u0 + skew * v0, out.speed[1][i] = u1 + skew * v1, out.speed[2][i] = u2 + skew * v2,
