@@ -21,10 +21,6 @@ constexpr double kFar = 4;
 /// Radiances that differ by less, relatively, have the same hue.
 constexpr double kSameHue = 1e-6;
 
-Vec3d absolute(const Vec3d& v) {
-  return {std::abs(v.x), std::abs(v.y), std::abs(v.z)};
-}
-
 /// cos(max(a - b, 0)) of two angles between 0 and pi, from their cosines and sines.
 double cosine_of_difference(double cos_a, double sin_a, double cos_b, double sin_b) {
   return cos_a >= cos_b ? 1.0 : cos_a * cos_b + sin_a * sin_b;

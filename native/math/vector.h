@@ -72,6 +72,11 @@ T max_abs(const Vec3<T>& a) {
 }
 
 template <typename T>
+Vec3<T> absolute(const Vec3<T>& a) {
+  return {std::abs(a.x), std::abs(a.y), std::abs(a.z)};
+}
+
+template <typename T>
 bool is_finite(const Vec3<T>& a) {
   return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z);
 }

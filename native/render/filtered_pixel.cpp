@@ -40,7 +40,7 @@ PlainSlopes plain_slopes(std::span<const FilteredPixel> pixels, uint32_t block_w
     if (has_behind) behind = pixels[p + stride[axis]].centre_light - pixels[p].centre_light;
     slope = std::max({slope, max_abs(before), max_abs(behind)});
     const Vec3d bend = behind - before;
-    bends += {std::abs(bend.x), std::abs(bend.y), std::abs(bend.z)};
+    bends += absolute(bend);
   }
   return {float(slope * display_scale), float(0.5 * filter_variance * max_component(bends) * display_scale)};
 }

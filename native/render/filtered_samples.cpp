@@ -179,12 +179,12 @@ void FilteredSamples::add_light(std::span<const SampleRun> runs) {
 void FilteredSamples::add_to(Slot& slot, const SlotColumns& column, uint32_t lane, uint32_t count) const {
   for (const uint32_t end = lane + count; lane < end; ++lane) {
     if (!column.arrives(lane)) continue;
-    slot.now.unshadowed += column.unshadowed.get(lane);
+    const Vec3d light = column.unshadowed.get(lane);
+    slot.now.unshadowed += light;
     if (!column.traced(lane)) continue;
     const double visible = packet_.visible(column, lane);
     ++slot.rays;
-    slot.now.w += column.weight[lane];
-    slot.now.wv += visible * column.weight[lane];
+    slot.now.add_visibility(light, column.weight[lane], visible);
     see(slot, visible);
   }
 }

@@ -97,6 +97,18 @@ def solid_objects(stage):
     stage.light(2.0, -2.0, 5, (1.5, 1.5))
 
 
+def hues(stage):
+    """Surfaces of other hues beside each other, some in shadow: what one of them hides is not what another does."""
+    red, green, blue = (0.8, 0.06, 0.06), (0.06, 0.8, 0.06), (0.06, 0.06, 0.8)
+    rng = np.random.default_rng(79)
+    for i in range(30):
+        radius, at = rng.uniform(0.15, 0.45), rng.uniform(-2.5, 2.5, 2)
+        place = translation(*at, radius * rng.uniform(1, 3))
+        stage.add(sphere([0, 0, 0], radius, 20), place, (red, green, blue)[i % 3])
+    stage.add(box([-0.4, -1.6, 0.0], [0.5, -0.8, 1.2]), albedo=green)
+    stage.light(2.0, -2.0, 5, (1.0, 1.0))
+
+
 def slanted_fence(stage):
     turn = rotation([0, 0, 1], 25)
     for i in range(26):

@@ -122,8 +122,8 @@ def sphere(centre, radius, segments=16):
 
 
 def add(scene, name, shape, matrix=None, albedo=0.5, **material):
-    """One mesh, used once, of one material. Returns the mesh's number."""
-    number = scene.add_material(name, (albedo,) * 3, **material)
+    """One mesh, used once, of one material; albedo: a number, or r, g, b. Returns the mesh's number."""
+    number = scene.add_material(name, tuple(np.broadcast_to(albedo, 3).tolist()), **material)
     mesh = scene.add_mesh(name, *shape)
     scene.add_instance(name, mesh, np.eye(4) if matrix is None else matrix, [number])
     return mesh

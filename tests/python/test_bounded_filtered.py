@@ -17,6 +17,7 @@ from promise_scenes import (
     columns,
     ellipse_and_square,
     foliage,
+    hues,
     lamps_seen,
     make,
     open_floor,
@@ -64,6 +65,7 @@ def filtered(scene, **settings):
     [
         open_floor,
         solid_objects,
+        hues,
         columns,
         squares,
         slanted_fence,
