@@ -6,6 +6,7 @@
 #include <string>
 
 #include "lighting/lighting.h"
+#include "render/edge_map.h"
 #include "render/extra_passes.h"
 #include "render/film.h"
 #include "render/paths.h"
@@ -27,6 +28,7 @@ struct RenderContext {
   const Sampler& pixel_sampler;
   const PixelLightSampler& pixel_light_sampler;
   const PixelRays& pixel_rays;
+  const EdgeMap* edge_map;  // null: any pixel may show edges
   Film& film;
   const ExtraPasses& extras;
   BlockMemory& memory;  // the thread's

@@ -19,13 +19,28 @@ class CameraRays {
   /// The camera is elsewhere at another time.
   bool moves() const { return !render_from_camera_motion_.empty(); }
 
+  bool is_perspective() const { return camera_.kind == CameraKind::kPerspective; }
+  /// Where all of a pinhole's rays come from, or, of parallel ones, the way back along them.
+  Vec3d eye() const {
+    return is_perspective() ? render_from_camera_.origin : render_from_camera_.vector({0, 0, 1});
+  }
+  /// From render space to the camera's, in which it looks along -z, in world units.
+  Vec3d in_camera(const Vec3d& p) const { return render_from_camera_.inverse_point(p); }
+  /// Along the view axis; what is nearer is not seen.
+  double clip_start() const { return camera_.clip_start; }
+  /// What lies there in the frame: x and y in pixels. p: in the camera's space, before a pinhole.
+  Vec3d frame_place(const Vec3d& p) const {
+    const double depth = is_perspective() ? -p.z : 1;
+    return {(p.x / depth - camera_.window.left) / step_x_, (p.y / depth - camera_.window.bottom) / step_y_,
+            0};
+  }
+
   /// Through the point (x, y) of the full frame, in pixels from its bottom left corner, and the middle of the
   /// lens, at the shutter's centre.
   Ray through(double x, double y) const {
     const double u = camera_.window.left + x * step_x_, v = camera_.window.bottom + y * step_y_;
-    const bool perspective = camera_.kind == CameraKind::kPerspective;
-    const Vec3d origin = perspective ? Vec3d{} : Vec3d{u, v, 0};
-    const Vec3d direction = perspective ? Vec3d{u, v, -1} : Vec3d{0, 0, -1};
+    const Vec3d origin = is_perspective() ? Vec3d{} : Vec3d{u, v, 0};
+    const Vec3d direction = is_perspective() ? Vec3d{u, v, -1} : Vec3d{0, 0, -1};
     return {render_from_camera_.point(origin), render_from_camera_.vector(direction), camera_.clip_start,
             camera_.clip_end};
   }

@@ -12,6 +12,9 @@ namespace {
 
 constexpr int kGateReach = 2, kFloodReach = 2;
 
+/// Up to such a difference, display units, what a filter's tails see of a surface may be left out (EdgeMap).
+constexpr double kMostContrast = 2;
+
 /// Pixels around a block that it looks at: what floods into it can come from so far away. Even: whole quads,
 /// whose samples share packets.
 uint32_t halo(const PixelFilter& filter) {
@@ -36,7 +39,10 @@ class FilteredBlock {
   void first_look();
   void compare(uint32_t p);
   void mark_uncertain(uint32_t p, uint32_t s);
+  bool may_show_edge(uint32_t p) const;
   bool is_bent(uint32_t p) const;
+  void find_edges();
+  void look_at_edges();
   void find_uncertain();
   void flood();
   void start(std::span<const uint32_t> quad, int margin);
@@ -124,7 +130,8 @@ void FilteredBlock::first_look() {
     for (const PixelPlace& place : places)
       if (const uint32_t p = pixel_at(place, area_); p != kOutside) pixels[count++] = p;
     const auto is_plain = [this](uint32_t p) { return pixels_[p].plain; };
-    samples_.look_around({pixels, std::stable_partition(pixels, pixels + count, is_plain)});
+    const auto may_be_edge = [this](uint32_t p) { return pixels_[p].plain && may_show_edge(p); };
+    samples_.look_around({pixels, std::stable_partition(pixels, pixels + count, may_be_edge)});
     samples_.trace_each({std::stable_partition(pixels, pixels + count, is_plain), pixels + count}, 0,
                         kFirstSamples);
     for (uint32_t p : std::span(pixels, count)) compare(p);
@@ -138,44 +145,100 @@ void FilteredBlock::compare(uint32_t p) {
   FilteredPixel& pixel = pixels_[p];
   const auto compare_with = [&](uint32_t q, uint8_t side) {
     const FilteredPixel& other = pixels_[q];
-    if (edge_between(other.first, pixel.first))
-      frame_.edge[q] = frame_.edge[p] = 1;
-    else if (pixel.plain && other.plain && pixel.material == other.material)
+    const bool both = pixel.plain && other.plain,
+               edge = edge_between(other.first, pixel.first) || (both && pixel.material != other.material);
+    if (edge)
+      pixel.parted |= side;
+    else if (both)
       pixel.joined |= side;
   };
   if (p % block_.width > 0) compare_with(p - 1, kJoinedTo[0]);
   if (p >= block_.width) compare_with(p - block_.width, kJoinedTo[1]);
 }
 
+bool FilteredBlock::may_show_edge(uint32_t p) const {
+  return !c_.edge_map || c_.edge_map->may_show_edge(area_.x + p % block_.width, area_.y + p / block_.width);
+}
+
 /// Unshadowed light at a plain pixel's centre is not what the filter would make of it, as far as its
-/// neighbours' tell: half the filter's second moment times the second differences; at the frame's border one
-/// further in stands for it.
+/// neighbours' on the same surface tell: half the filter's second moment times the second differences; at its
+/// border one further in stands for it, or the first one.
 bool FilteredBlock::is_bent(uint32_t p) const {
   const uint32_t at[2] = {p % block_.width, p / block_.width}, size[2] = {block_.width, block_.height},
                  stride[2] = {1, block_.width};
   Vec3d sum;
   for (int axis = 0; axis < 2; ++axis) {
     if (size[axis] < 3) continue;
-    const uint32_t middle = p + (at[axis] == 0) * stride[axis] - (at[axis] + 1 == size[axis]) * stride[axis];
-    const Vec3d &a = pixels_[middle - stride[axis]].centre_light, &b = pixels_[middle].centre_light,
-                &c = pixels_[middle + stride[axis]].centre_light;
-    const Vec3d bend = a - b * 2 + c;
-    sum += Vec3d{std::abs(bend.x), std::abs(bend.y), std::abs(bend.z)};
+    // Is the pixel d further on the same surface as the one behind it?
+    const auto joined = [&](int d) {
+      return int(at[axis]) + d > 0 && int(at[axis]) + d < int(size[axis]) &&
+             pixels_[p + uint32_t(d) * stride[axis]].joined & kJoinedTo[axis];
+    };
+    const auto light = [&](int d) { return pixels_[p + uint32_t(d) * stride[axis]].centre_light; };
+    const auto bend = [&](int d) { return light(d - 1) - light(d) * 2 + light(d + 1); };
+    Vec3d change;
+    if (joined(0) && joined(1))
+      change = bend(0);
+    else if (joined(1))
+      change = joined(2) ? bend(1) : light(1) - light(0);
+    else if (joined(0))
+      change = joined(-1) ? bend(-1) : light(-1) - light(0);
+    else
+      return !may_show_edge(p);
+    sum += absolute(change);
   }
   return 0.5 * c_.filter.variance() * max_component(sum) * std::exp2(c_.settings.exposure) >
          kBendShare * c_.settings.error_tolerance;
 }
 
-void FilteredBlock::find_uncertain() {
+/// Edges by what the first look found. Where the map tells of them, only pixels that it marks have them, and
+/// others where what was found has no edge of a triangle: surfaces that pass through each other, light that
+/// bends.
+void FilteredBlock::find_edges() {
   std::vector<uint8_t>& edges = frame_.edge;
+  std::vector<uint8_t> marked(block_.pixels());
+  const double display_scale = std::exp2(c_.settings.exposure);
+  const auto note = [&](uint32_t p, uint32_t q) {
+    const bool plain = pixels_[p].plain && pixels_[q].plain,
+               told = c_.edge_map && plain && (may_show_edge(p) || may_show_edge(q)) &&
+                      max_abs(pixels_[p].centre_light - pixels_[q].centre_light) * display_scale <=
+                          kMostContrast;
+    (told ? marked : edges)[p] = (told ? marked : edges)[q] = 1;
+  };
+  for (uint32_t p = 0; p < block_.pixels(); ++p) {
+    const FilteredPixel& pixel = pixels_[p];
+    if (pixel.parted & kJoinedTo[0]) note(p, p - 1);
+    if (pixel.parted & kJoinedTo[1]) note(p, p - block_.width);
+    if (frame_.uncertain[p]) note(p, p);
+    if (c_.pixel_rays.spread() || (pixel.plain && is_bent(p))) edges[p] = 1;
+  }
+  spread(edges, block_.width, block_.height, c_.filter.reach());
+  if (!c_.edge_map) return;
+  look_at_edges();
+  spread(marked, block_.width, block_.height, c_.filter.reach());
+  for (uint32_t p = 0; p < block_.pixels(); ++p) edges[p] |= marked[p] && may_show_edge(p);
+}
+
+/// Camera rays around the centres of edges that had none.
+void FilteredBlock::look_at_edges() {
+  for_quads([this](std::span<const uint32_t> quad) {
+    uint32_t late[4], count = 0;
+    for (uint32_t p : quad)
+      if (frame_.edge[p] && pixels_[p].plain && !may_show_edge(p)) late[count++] = p;
+    samples_.look_around({late, count});
+    const auto is_plain = [this](uint32_t p) { return pixels_[p].plain; };
+    samples_.trace_each({std::stable_partition(late, late + count, is_plain), late + count}, 0,
+                        kFirstSamples);
+  });
+}
+
+void FilteredBlock::find_uncertain() {
   const double display_scale = std::exp2(c_.settings.exposure);
   for (uint32_t p = 0; p < block_.pixels(); ++p)
     if (pixels_[p].plain)
       pixels_[p].slopes = plain_slopes(pixels_, block_.width, p, c_.filter.variance(), display_scale);
-  for (uint32_t p = 0; p < block_.pixels(); ++p)
-    edges[p] = edges[p] || frame_.uncertain[p] || c_.pixel_rays.spread() || (pixels_[p].plain && is_bent(p));
-  spread(edges, block_.width, block_.height, c_.filter.reach());
-  frame_.uncertain = edges;
+  find_edges();
+  frame_.uncertain = frame_.edge;
   Reused<uint8_t> flags(c_.memory, block_.pixels()), blind(c_.memory, block_.pixels());
 
   for (uint32_t s = 0; s < frame_.slot_count; ++s) {

@@ -34,6 +34,7 @@ struct FilteredPixel {
   Primitive centre;        // what a plain pixel's centre met
   uint32_t material;       // there
   uint8_t joined = 0;      // to which neighbours before it by the same surface: kJoinedTo
+  uint8_t parted = 0;      // from which there is an edge
   bool sees_more = false;  // than its centre, by camera rays around it
   bool bent = false;       // light at the centre is not the filtered pixel's
   PlainSlopes slopes;

@@ -36,6 +36,9 @@ class PathTracer {
   /// Most surface points on a path.
   uint32_t length() const { return length_; }
 
+  /// Those that the camera or mirrors see themselves.
+  const std::vector<Luminaire>& seen_themselves() const { return seen_; }
+
   /// Appends the surface points of the path of one of the rays found. stream: number of the path among the
   /// frame's; pixel: in the block. mirror_rays is increased by the rays traced. record: what passes want to
   /// know; null: nothing.
@@ -59,7 +62,7 @@ class PathTracer {
   const Scene& scene_;
   const Geometry& geometry_;
   const Materials& materials_;
-  std::vector<Luminaire> seen_;      // luminaires that are seen themselves
+  std::vector<Luminaire> seen_;
   std::vector<uint8_t> ends_paths_;  // by material: it only reflects light of luminaires
   uint32_t mirror_depth_, length_;
   bool perspective_;

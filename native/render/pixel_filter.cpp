@@ -46,18 +46,26 @@ void interpolate(const double* quantiles, const float* variates, uint32_t count,
 }  // namespace
 
 PixelFilter::PixelFilter(FilterKind kind, double width)
-    : support_(kind == FilterKind::kBox ? width : 2 * width), variance_(support_ * support_ / 12) {
+    : support_(kind == FilterKind::kBox ? width : 2 * width),
+      variance_(support_ * support_ / 12),
+      mean_distance_(support_ / 4) {
   if (kind == FilterKind::kBox) return;
-  variance_ = 0;
+  variance_ = mean_distance_ = 0;
   double low = 0;  // integral up to the interval
   for (int i = 0, k = 0; i < kIntervals / 2; ++i) {
     const double high = i + 1 < kIntervals / 2 ? blackman_harris_integral(double(i + 1) / kIntervals) : 0.5;
     const double x = ((i + 0.5) / kIntervals - 0.5) * support_;
     variance_ += 2 * x * x * (high - low);
+    mean_distance_ += 2 * std::abs(x) * (high - low);
     for (; k <= kQuantiles && mass(k) <= high; ++k)
       quantiles_.push_back((0.5 - (i + (mass(k) - low) / (high - low)) / kIntervals) * support_);
     low = high;
   }
+}
+
+double PixelFilter::reach_of(double share) const {
+  if (quantiles_.empty()) return (0.5 - share) * support_;
+  return quantiles_[size_t(std::sqrt(2 * share) * kQuantiles)];
 }
 
 void PixelFilter::offsets(const float* x, uint32_t count, double* out) const {

@@ -107,6 +107,7 @@ Renderer::Renderer(std::shared_ptr<const Scene> scene, std::shared_ptr<const Geo
       pixel_rays_(camera_, filter_, pixel_light_sampler_, geometry_->moves() || camera_.moves()),
       pixel_light_sampler_(pixel_light_samples(settings_, pixel_rays_.spread()), settings_.seed,
                            pixel_rays_.spread()),
+      edge_map_(make_edge_map(*geometry_, camera_, paths_.seen_themselves(), filter_, settings_)),
       luminaires_(emitting_luminaires(*scene_, *geometry_, *materials_)),
       lighting_(make_lighting(*geometry_, *light_sampler_, settings_)) {
   if (settings_.stop_rule == StopRuleKind::kBounded && luminaires_.size() > kFewLuminaires)
@@ -233,6 +234,7 @@ RenderContext Renderer::context(BlockMemory& memory) {
           *pixel_sampler_,
           pixel_light_sampler_,
           pixel_rays_,
+          edge_map_.get(),
           film_,
           extras_,
           memory};

@@ -92,6 +92,7 @@ class Renderer {
   PathTracer paths_;
   PixelRays pixel_rays_;
   PixelLightSampler pixel_light_sampler_;
+  std::unique_ptr<const EdgeMap> edge_map_;
   std::vector<Luminaire> luminaires_;      // those that emit
   std::unique_ptr<LightTree> light_tree_;  // where there are many
   std::unique_ptr<Lighting> lighting_;

@@ -104,6 +104,13 @@ class Geometry {
     const PlacedInstance& instance = instances_[hit.instance];
     return material_of(*meshes_[instance.mesh], instance, hit.triangle);
   }
+  /// Some instance is of hair or points.
+  bool has_strands() const;
+  const PlacedMesh& mesh_of(uint32_t instance) const { return *meshes_[instances_[instance].mesh]; }
+  /// From the space of the mesh's positions; null: they are in render space.
+  const Affine* placing_of(uint32_t instance) const {
+    return instances_[instance].shared ? &instances_[instance].render_from_mesh : nullptr;
+  }
   /// Also of nothing.
   Facet facet_of(const Primitive& primitive) const;
   const ObjectTraits& traits_of(uint32_t instance) const { return instances_[instance].traits; }

@@ -44,6 +44,34 @@ TEST(PixelFilter, OffsetsAreDistributedAsBlackmanHarris) {
   }
 }
 
+TEST(PixelFilter, KnowsItsMeanDistanceAndTails) {
+  // By the midpoint rule; reach_of's table has steps of 3e-6 at the most, and its end is never too near.
+  constexpr int kSteps = 1 << 16;
+  for (double width : {0.5, 1.5}) {
+    double total = 0, distance = 0;
+    for (int i = 0; i < kSteps; ++i) {
+      const double x = (i + 0.5) / kSteps - 0.5;
+      total += window(x);
+      distance += window(x) * std::abs(x) * 2 * width;
+    }
+    const PixelFilter filter(FilterKind::kBlackmanHarris, width);
+    EXPECT_NEAR(filter.mean_distance(), distance / total, 1e-5 * width);
+    for (double share : {1e-5, 1e-4, 0.002, 0.05, 0.5}) {
+      const double reach = filter.reach_of(share);
+      double tail = 0;
+      for (int i = 0; i < kSteps; ++i) {
+        const double x = (i + 0.5) / kSteps - 0.5;
+        if (x * 2 * width > reach) tail += window(x) / total;
+      }
+      EXPECT_LE(tail, share + 3e-5);
+      EXPECT_GE(tail, 0.98 * share - 3e-5);
+    }
+  }
+  const PixelFilter box(FilterKind::kBox, 2);
+  EXPECT_EQ(box.mean_distance(), 0.5);
+  EXPECT_EQ(box.reach_of(0.1), 0.8);
+}
+
 TEST(PixelFilter, StaysInItsSupportAndGrows) {
   for (FilterKind kind : {FilterKind::kBox, FilterKind::kBlackmanHarris})
     for (double width : {1e-3, 1.0, 1.5, 10.0}) {
