@@ -99,8 +99,9 @@ void Geometry::intersect(const Ray* rays, uint32_t active, Hit* hits) const {
   for (uint32_t i = 0; i < kWidth; ++i) {
     if (!valid[i] || packet.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
     const bool instanced = packet.hit.instID[0][i] != RTC_INVALID_GEOMETRY_ID;
-    hits[i] = {instanced ? packet.hit.instID[0][i] : packet.hit.geomID[i], packet.hit.primID[i],
-               packet.hit.u[i], columns.t_near[i] + double(packet.ray.tfar[i]) * columns.shrink[i]};
+    const uint32_t instance = instanced ? packet.hit.instID[0][i] : packet.hit.geomID[i];
+    hits[i] = {instance, mesh_of(instance).whole(packet.hit.primID[i]), packet.hit.u[i],
+               columns.t_near[i] + double(packet.ray.tfar[i]) * columns.shrink[i]};
   }
 }
 

@@ -144,6 +144,7 @@ Geometry::Geometry(std::vector<Mesh> meshes, std::vector<Instance> instances, ui
         };
         place(mesh->corner_normals);
         for (std::vector<Vec3f>& normals : mesh->normal_motion) place(normals);
+        mesh->split_long();
         geometry = mesh->make_geometry(device_->device.get());
       }
       meshes_[instance.mesh] = std::move(mesh);

@@ -141,6 +141,13 @@ StrandPlace PlacedMesh::strand_place(uint32_t primitive, double u, double time) 
   return place;
 }
 
+void PlacedMesh::split_long() {
+  if (deforms() || may_be_transparent || strands != StrandShape::kNone) return;
+  positions.pop_back();
+  pieces = split_long_triangles(positions, triangles);
+  positions.emplace_back();
+}
+
 void PlacedMesh::set_vertices(RTCGeometry geometry) const {
   const size_t times = std::max(position_motion.size(), keys.size());
   if (times > 1) rtcSetGeometryTimeStepCount(geometry, unsigned(times));
@@ -164,9 +171,10 @@ RTCGeometry PlacedMesh::make_geometry(RTCDevice device) const {
   constexpr float kRibbonPieces = 8;  // straight ones of each segment
   RTCGeometry geometry = rtcNewGeometry(device, kTypes[size_t(strands)]);
   set_vertices(geometry);
+  const auto& corners = pieces.corners.empty() ? triangles : pieces.corners;
   if (strands == StrandShape::kNone)
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, triangles.data(), 0,
-                               3 * sizeof(uint32_t), triangles.size());
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, corners.data(), 0,
+                               3 * sizeof(uint32_t), corners.size());
   else if (strands != StrandShape::kSphere)
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, segments.data(), 0,
                                sizeof(uint32_t), segments.size());
@@ -180,6 +188,7 @@ RTCGeometry PlacedMesh::make_geometry(RTCDevice device) const {
 void PlacedMesh::build(embree::CountedDevice& device, const std::string& name) {
   embree::SceneHandle made(rtcNewScene(device.device.get()));
   rtcSetSceneFlags(made.get(), RTC_SCENE_FLAG_ROBUST);
+  split_long();
   RTCGeometry geometry = make_geometry(device.device.get());
   rtcAttachGeometry(made.get(), geometry);
   rtcReleaseGeometry(geometry);

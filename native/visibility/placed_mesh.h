@@ -9,6 +9,7 @@
 
 #include "scene/scene.h"
 #include "visibility/embree.h"
+#include "visibility/long_triangles.h"
 #include "visibility/useless_triangles.h"
 
 namespace penumbra {
@@ -32,6 +33,7 @@ struct PlacedMesh {
   std::vector<std::vector<Key>> keys;  // of strands in place of positions: at each time, or once
   std::vector<uint32_t> segments;
   std::vector<std::array<uint32_t, 3>> triangles;
+  TrianglePieces pieces;              // that Embree has in place of the triangles, if there are any
   std::vector<Vec3f> corner_normals;  // in render space and unit for a mesh used once, else the object's
   bool normals_of_vertices = false;   // one a vertex, not three a triangle
   std::vector<uint32_t> material_slots;
@@ -59,6 +61,13 @@ struct PlacedMesh {
   void take(Mesh& mesh);
   /// Takes its positions, at all times, transformed and rounded.
   void take_positions(const Mesh& mesh, const Affine& placed_from_object);
+  /// Cuts long triangles for Embree, if they stand still and nothing shines through them: where two pieces
+  /// meet, a ray may meet both.
+  void split_long();
+  /// The triangle that one of Embree's is a piece of.
+  uint32_t whole(uint32_t primitive) const {
+    return pieces.whole.empty() ? primitive : pieces.whole[primitive];
+  }
   /// An Embree geometry of its triangles or strands, committed; the caller's to release.
   RTCGeometry make_geometry(RTCDevice device) const;
   /// Builds its own BVH. Throws as CountedDevice::check_build, and has none then.
