@@ -31,6 +31,9 @@ constexpr double kLeastWanted = 64, kManyWanted = 1000;
 /// all differ.
 constexpr double kLeastGain = 1.0 / 8, kMostGain = 0.5;
 
+/// What neighbours tell of variances, beside what an item's own lines do, in the bound that is reported.
+constexpr double kPooledShare = 0.46;
+
 }  // namespace
 
 TileItems::TileItems(const std::vector<BoundedItem*>& items, const std::vector<LitPoint>& points,
@@ -71,9 +74,10 @@ TileRefiner::TileRefiner(const ItemSampler& sampler, const std::vector<LitPoint>
                          const BoundedSettings& settings)
     : sampler_(sampler), points_(points), block_(block), settings_(settings) {}
 
-double TileRefiner::error(const BoundedItem& item, const TileItems& items) const {
+TileRefiner::Error TileRefiner::error(const BoundedItem& item, const TileItems& items) const {
   if (item.lines > 0) return line_error(item, items);
-  if (item.facing == 0) return item.size();  // all points below the horizon tell nothing
+  const auto by_points = [](double e) { return Error{e, kItemCalibration.report * e}; };
+  if (item.facing == 0) return by_points(item.size());  // all points below the horizon tell nothing
   // Where a luminaire is mostly below it, only the points above count as points.
   const double n = item.count, p = (item.lit + 1.0) / (item.facing + 2.0);
   const double smoothed =
@@ -82,12 +86,12 @@ double TileRefiner::error(const BoundedItem& item, const TileItems& items) const
   items.for_neighbours(item, kPool, [&](const TileItems::Known& known) {
     if (known.count >= kPacket) pooled.add(known.variance, known.count / n, 1.5);
   });
-  return std::sqrt(pooled.mean());
+  return by_points(std::sqrt(pooled.mean()));
 }
 
 /// How much smaller the variance is by half of the lines than by a quarter tells how much smaller it is by
 /// all.
-double TileRefiner::line_error(const BoundedItem& item, const TileItems& items) const {
+TileRefiner::Error TileRefiner::line_error(const BoundedItem& item, const TileItems& items) const {
   const double n = item.lines, seen = item.sums.f > 0 ? item.sums.fv / item.sums.f : 0,
                p = (n * seen + 1) / (n + 2);
   const double smoothed =
@@ -105,7 +109,8 @@ double TileRefiner::line_error(const BoundedItem& item, const TileItems& items) 
   const double pooled =
       (prior * smoothed * smoothed + neighbours * gain * halves.mean()) / (prior + neighbours);
   // Whatever neighbours tell: an edge along the lines is one item's alone.
-  return std::sqrt(std::max(pooled, gain * item.half_variance));
+  const double own = gain * item.half_variance;
+  return {std::sqrt(std::max(pooled, own)), kLineCalibration.report * std::sqrt(kPooledShare * pooled + own)};
 }
 
 bool TileRefiner::can_advance(const BoundedItem& item) const {
@@ -163,17 +168,18 @@ void TileRefiner::refine(std::vector<BoundedItem*>& items, std::vector<PixelLigh
       Vec3d radiance = pixels[pixel].radiance;
       errors.clear();
       for (BoundedItem* item : own) {
-        const double e = error(*item, tile);
-        errors.emplace_back(item, e);
-        variance += e * e;
-        const double report = (item->lines > 0 ? kLineCalibration : kItemCalibration).report * e;
-        reported += report * report;
+        const Error e = error(*item, tile);
+        errors.emplace_back(item, e.standard);
+        variance += e.standard * e.standard;
+        reported += e.report * e.report;
         radiance += item->radiance();
       }
       const double charged = pixels[pixel].error;
       const double tolerance =
           settings_.tolerance * std::max(1.0, max_component(radiance) * settings_.display_scale);
-      const double allowed = std::max(tolerance - charged, 0.25 * tolerance) / kItemCalibration.stop;
+      const double noise = pixels[pixel].noise_share;
+      const double allowed =
+          std::max(tolerance - charged, 0.25 * tolerance) / (kItemCalibration.stop * noise);
       bool done = variance <= allowed * allowed;
       if (!done) {
         bool can = false;
@@ -190,7 +196,7 @@ void TileRefiner::refine(std::vector<BoundedItem*>& items, std::vector<PixelLigh
       }
       if (!done) continue;
       pixels[pixel].radiance = radiance;
-      pixels[pixel].error = charged + std::sqrt(reported);
+      pixels[pixel].error = charged + noise * std::sqrt(reported);
       own.clear();
     }
     std::sort(to_advance.begin(), to_advance.end(),

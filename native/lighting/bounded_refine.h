@@ -67,8 +67,12 @@ class TileRefiner {
   void refine(std::vector<BoundedItem*>& items, std::vector<PixelLight>& pixels, LightTally& tally) const;
 
  private:
-  double error(const BoundedItem& item, const TileItems& items) const;
-  double line_error(const BoundedItem& item, const TileItems& items) const;
+  /// Of an item, display units.
+  struct Error {
+    double standard, report;  // what stopping tests, and a bound of 95 %
+  };
+  Error error(const BoundedItem& item, const TileItems& items) const;
+  Error line_error(const BoundedItem& item, const TileItems& items) const;
   bool can_advance(const BoundedItem& item) const;
   void advance(BoundedItem& item, double points_wanted, LineSearch& search, LightTally& tally) const;
 

@@ -56,7 +56,8 @@ struct PixelLight {
   Vec3d radiance;
   double error = 0;  // display units
   uint64_t points = 0;
-  bool at_limit = false;  // some luminaire used max_light_samples without satisfying its rule
+  bool at_limit = false;   // some luminaire used max_light_samples without satisfying its rule
+  double noise_share = 1;  // of its points' standard error, where neighbours' points count, too
 };
 
 /// Thrown out of a block whose render was cancelled: nothing of it reaches the film.

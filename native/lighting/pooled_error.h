@@ -22,7 +22,7 @@ struct BoundedCalibration {
 /// Of one luminaire from one surface point, e = 3/4: an edge through the luminaire.
 inline constexpr BoundedCalibration kItemCalibration{2.85, 2.2, 1.2, 6.0};
 /// By lines across the luminaire, e = 3/2. Errors are more often small than a normal distribution's.
-inline constexpr BoundedCalibration kLineCalibration{2.85, 1.6, 0.3, 2.0};
+inline constexpr BoundedCalibration kLineCalibration{2.85, 1.55, 0.3, 2.0};
 static_assert(kLineCalibration.stop == kItemCalibration.stop, "a pixel may have both");
 /// Of a filtered pixel, e = 1/2 + 0.6 / dimensions: between n^-5/8, of an edge in four dimensions, and
 /// n^-3/4, in two.

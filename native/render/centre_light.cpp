@@ -10,15 +10,8 @@
 namespace penumbra {
 namespace {
 
-/// Share of the tolerance that taking the centre for the filtered pixel may cost.
-constexpr double kFilterShare = 0.3;
-
 /// Share of the tolerance that dim luminaires may be charged for being dropped.
 constexpr double kDropShare = 0.125;
-
-/// What noise of 16 points adds to a second difference, as a share of the unshadowed value: three standard
-/// deviations, sqrt(6) for the difference times 16^-3/4 / 2 for each value.
-constexpr double kFirstNoise = 3 * 2.45 * 0.125 * 0.5;
 
 }  // namespace
 
@@ -37,6 +30,8 @@ CentreLight::CentreLight(const RenderContext& context, const Block& block, Filte
       first_point_(block.pixels(), kNone),
       path_length_(block.pixels(), 0),
       item_of_(size_t(block.pixels()) * pairs_, kNone),
+      weight_(context.filter.variance() / 2),
+      kink_share_((context.filter.mean_distance() / context.filter.variance() - 1) / 2),
       sampler_(context.geometry, context.luminaires, context.light_sampler, points_, settings_),
       first_look_(sampler_, block, context.luminaires, points_, settings_, kDropShare, context.memory) {
   points_.reserve(block.pixels());
@@ -181,6 +176,7 @@ void CentreLight::add_parts(uint32_t p, std::span<Vec3d> parts) const {
     const BoundedItem& item = items_[item_of(p, pair)];
     add_light(parts, c_.luminaires[item.luminaire], points_[item.point],
               {item.diffuse_radiance(), item.diffuse}, {item.glossy_radiance(), item.phong});
+    add_light(parts, c_.luminaires[item.luminaire], kDiffuseLight, {filter_change(p, pair), {}}, {});
   }
 }
 
@@ -191,129 +187,6 @@ void CentreLight::tell(PixelTrace& trace) const {
     trace.decisions.push_back({pair / luminaires_, item.luminaire,
                                "in penumbra, seen from the pixel's centre", item.count, item.radiance()});
   }
-}
-
-/// Display value of one luminaire's light in one bounce.
-double CentreLight::value(uint32_t p, uint32_t pair) const {
-  const uint32_t i = item_of(p, pair);
-  if (i != kNone) return items_[i].display(items_[i].sums);
-  double sum = 0;
-  for (uint32_t lobe = 0; lobe < lobes_; ++lobe)
-    sum += max_abs(frame_.of_pixel(p)[pair * lobes_ + lobe].fitted_radiance());
-  return sum * settings_.display_scale;
-}
-
-double CentreLight::slope(uint32_t p) const {
-  double slope = -1;
-  const auto sum = [this](uint32_t q) {
-    double all = 0;
-    for (uint32_t pair = 0; pair < pairs_; ++pair) all += value(q, pair);
-    return all;
-  };
-  const auto knows_all = [this](uint32_t q) {
-    for (uint32_t pair = 0; pair < pairs_; ++pair)
-      if (!knows(q, pair)) return false;
-    return true;
-  };
-  const double here = sum(p);
-  const uint32_t at[2] = {frame_.area.x + p % block_.width, frame_.area.y + p / block_.width};
-  for (int axis = 0; axis < 2; ++axis) {
-    const uint32_t stride = axis == 0 ? 1 : block_.width;
-    if (at[axis] % kTile > 0 && continues(p - stride, axis) && knows_all(p - stride))
-      slope = std::max(slope, std::abs(sum(p - stride) - here));
-    if ((at[axis] + 1) % kTile > 0 && p + stride < block_.pixels() && continues(p, axis) &&
-        knows_all(p + stride))
-      slope = std::max(slope, std::abs(sum(p + stride) - here));
-  }
-  return slope < 0 ? here : slope;
-}
-
-/// Of a pixel's centre; not where there are samples instead.
-bool CentreLight::knows(uint32_t p, uint32_t pair) const {
-  if (!pixels_[p].plain) return !frame_.edge[p];
-  return !uncertain(p, pair) || item_of(p, pair) != kNone;
-}
-
-/// The next pixel along an axis shows the same surface.
-bool CentreLight::continues(uint32_t p, int axis) const {
-  const uint32_t q = p + (axis == 0 ? 1 : block_.width);
-  if (pixels_[p].plain && pixels_[q].plain) return pixels_[q].joined & kJoinedTo[axis];
-  return !frame_.edge[p] && !frame_.edge[q];
-}
-
-/// How far the filtered value may be from the centre's: half the filter's second moment times the second
-/// differences along rows and columns, for whole pixels of the tile. At its edge the one further in and its
-/// change stand for it; where too few neighbours are known, first differences do.
-double CentreLight::filter_error(uint32_t p, uint32_t pair, const Rectangle& tile) const {
-  const uint32_t at[2] = {p % block_.width - tile.x, p / block_.width - tile.y},
-                 size[2] = {tile.width, tile.height}, stride[2] = {1, block_.width};
-  const double here = value(p, pair);
-  double sum = 0;
-  for (int axis = 0; axis < 2; ++axis) {
-    // Values from two pixels before to three behind, on the same surface; those outside the tile are not
-    // known.
-    const auto known = [&](int d) {
-      const int i = int(at[axis]) + d;
-      if (i < 0 || i >= int(size[axis])) return false;
-      for (int k = std::min(d, 0); k < std::max(d, 0); ++k)
-        if (!continues(p + uint32_t(k) * stride[axis], axis)) return false;
-      return knows(p + uint32_t(d) * stride[axis], pair);
-    };
-    const auto at_distance = [&](int d) { return value(p + uint32_t(d) * stride[axis], pair); };
-    const auto bend = [&](int d) { return at_distance(d - 1) - 2 * at_distance(d) + at_distance(d + 1); };
-    if (known(-1) && known(1)) {
-      sum += std::abs(bend(0));
-    } else if (known(1) && known(2) && known(3)) {
-      sum += std::abs(bend(1)) + std::abs(bend(2) - bend(1));
-    } else if (known(-1) && known(-2) && known(-3)) {
-      sum += std::abs(bend(-1)) + std::abs(bend(-2) - bend(-1));
-    } else if (known(1) || known(-1)) {
-      const double step = std::abs(at_distance(known(1) ? 1 : -1) - here);
-      sum += std::max(2 * step, settings_.tolerance);
-    } else {
-      return size[axis] == 1 ? 0 : 1e30;  // a picture of one line
-    }
-  }
-  return 0.5 * c_.filter.variance() * sum;
-}
-
-/// Keeps the pixels whose filtered value is their centre's, and makes edges of the others.
-std::vector<uint32_t> CentreLight::keep_smooth(std::span<const uint32_t> pixels, const Rectangle& tile,
-                                               bool first) {
-  std::vector<uint32_t> kept, bent;
-  for (uint32_t p : pixels) {
-    double error = 0;
-    for (uint32_t pair = 0; pair < pairs_; ++pair) {
-      if (!uncertain(p, pair)) continue;
-      const uint32_t i = item_of(p, pair);
-      const double noise = first && i != kNone ? kFirstNoise * items_[i].size() * c_.filter.variance() : 0;
-      error += std::max(filter_error(p, pair, tile) - noise, 0.0);
-    }
-    (error > kFilterShare * settings_.tolerance ? bent : kept).push_back(p);
-    if (!first) light_[p].error = std::hypot(light_[p].error, error);
-  }
-  for (uint32_t p : bent) frame_.edge[p] = pixels_[p].bent = true;
-  return kept;
-}
-
-void CentreLight::refine(std::span<const uint32_t> pixels, const Rectangle& tile) {
-  if (pixels.empty()) return;
-  light_.resize(block_.pixels());
-  const std::vector<uint32_t> smooth = keep_smooth(pixels, tile, true);
-  std::vector<BoundedItem*> items;
-  for (uint32_t p : smooth) {
-    const FilteredPixel& pixel = pixels_[p];
-    light_[p] = {};
-    light_[p].radiance = pixel.fitted(frame_.of_pixel(p));
-    light_[p].error =
-        pixel.charged / pixel.samples() + (pixel.centred() ? kKeptForSights * settings_.tolerance : 0);
-    light_[p].points = pixel.light_points;
-    for (uint32_t pair = 0; pair < pairs_; ++pair)
-      if (item_of(p, pair) != kNone) items.push_back(&items_[item_of(p, pair)]);
-  }
-  TileRefiner(sampler_, points_, block_, settings_).refine(items, light_, tally_.light);
-  for (const BoundedItem* item : items) light_[points_[item->point].pixel].points += item->used();
-  keep_smooth(smooth, tile, false);
 }
 
 }  // namespace penumbra

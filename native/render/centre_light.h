@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Light at the centres of pixels: where it varies slowly from one to the next, that is the filtered pixel's,
-// and one surface point serves all rays. The first look, and penumbra on smooth surfaces.
+// and one surface point serves all rays. The first look, and penumbra on smooth surfaces; what the filter
+// makes of it: centre_filter.cpp.
 #pragma once
 
 #include "lighting/bounded_refine.h"
@@ -64,7 +65,13 @@ class CentreLight {
   double value(uint32_t p, uint32_t pair) const;
   bool knows(uint32_t p, uint32_t pair) const;
   bool continues(uint32_t p, int axis) const;
-  double filter_error(uint32_t p, uint32_t pair, const Rectangle& tile) const;
+  bool tells(uint32_t p, uint32_t pair) const;
+  LobeLight light_of(uint32_t p, uint32_t pair) const;
+  Vec3d filter_change(uint32_t p, uint32_t pair) const;
+  bool may_be_filtered(uint32_t p) const;
+  void set_filter(uint32_t p, const Rectangle& tile);
+  double filter_error(uint32_t p, uint32_t pair, const Rectangle& tile, double noise) const;
+  double noise_of(uint32_t p, uint32_t pair, bool first) const;
   std::vector<uint32_t> keep_smooth(std::span<const uint32_t> pixels, const Rectangle& tile, bool first);
 
   const RenderContext& c_;
@@ -80,6 +87,9 @@ class CentreLight {
   std::vector<BoundedItem> items_;
   std::vector<uint32_t> item_of_;  // by pixel and pair
   std::vector<PixelLight> light_;  // by pixel
+  std::vector<uint8_t> refined_;   // by pixel: its items are within the tolerance
+  std::vector<uint8_t> axes_;      // by pixel: bits of those along which its neighbours count
+  double weight_, kink_share_;     // of a neighbour; of an unfiltered kink's error, what is left
   ItemSampler sampler_;
   FirstLook first_look_;
 };

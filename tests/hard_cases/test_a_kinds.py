@@ -46,7 +46,8 @@ def test_a01_unshadowed_light(rule, kind):
 @pytest.mark.parametrize("rule", RULES)
 def test_a13_c31_c32_c33_the_same_picture_anywhere_at_any_size(rule, kind):
     """From a micrometre to ten kilometres, at offsets to 1e7 m, with a plate between: within 1e-3 of the largest value,
-    but for one pixel in a hundred where rounding moves an edge across a point. Turned likewise, if the points turn with
+    but for one pixel in a hundred where rounding moves an edge across a point (antialiased three: its neighbours count
+    such points, too). Turned likewise, if the points turn with
     the luminaire; else within both errors, of 1e-2."""
 
     def picture(matrix):
@@ -71,7 +72,8 @@ def test_a13_c31_c32_c33_the_same_picture_anywhere_at_any_size(rule, kind):
         (translation(1e7, -1e7, 5e6), 1e-3),
         (translation(1e7, 0, 1e7) @ turned @ scaling(1e4, 1e4, 1e4), within),
     ):
-        assert (np.abs(picture(matrix) - plain) > tolerance * max(1, plain.max())).mean() <= 0.01, matrix
+        differs = np.abs(picture(matrix) - plain) > tolerance * max(1, plain.max())
+        assert differs.mean() <= (0.03 if rule == "antialiased" else 0.01), matrix
 
 
 @pytest.mark.parametrize("kind", KINDS)

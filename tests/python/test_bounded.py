@@ -86,14 +86,15 @@ def test_papers_rule_fails_the_same_test(scene):
 
 @pytest.mark.parametrize("scene", [solid_objects, slanted_fence, wires, foliage])
 def test_error_estimate_is_calibrated(scene):
-    """In the penumbra 93 % ... of the pixels are within e, and e is no more than 7x the error, in the median: where
-    lines were taken it is seldom as large as its quantiles. Against 16384 points it would be the oracle's own."""
+    """In the penumbra 93 % ... of the pixels are within e, and e is no more than 5.5x the error, in the median: where
+    lines were taken it is seldom as large as its quantiles (4x with points alone). Against 16384 points it would be the
+    oracle's own."""
     picture = render(make(scene), WIDTH, HEIGHT, stop_rule="BOUNDED", error_tolerance=0.004)
     true, inside = reference(scene, 131072, (0, 0, WIDTH, HEIGHT)), penumbra(scene)
     error, estimate = np.abs(picture.red - true)[inside], picture.passes["Error Estimate"][..., 0][inside]
     slack = 2.33 * np.sqrt(0.93 * 0.07 / inside.sum())
     assert (error <= estimate).mean() >= 0.93 - slack
-    assert np.median(estimate) <= 7 * np.median(error)
+    assert np.median(estimate) <= 5.5 * np.median(error)
 
 
 def test_wholly_lit_pixels_are_exact_and_cheap():
