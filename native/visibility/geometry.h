@@ -105,7 +105,7 @@ class Geometry {
     return material_of(*meshes_[instance.mesh], instance, hit.triangle);
   }
   /// Some instance is of hair or points.
-  bool has_strands() const;
+  bool has_strands() const { return has_strands_; }
   const PlacedMesh& mesh_of(uint32_t instance) const { return *meshes_[instances_[instance].mesh]; }
   /// From the space of the mesh's positions; null: they are in render space.
   const Affine* placing_of(uint32_t instance) const {

@@ -292,12 +292,6 @@ void Geometry::strand_point(const Ray& ray, const Hit& hit, PlacedPoint& s) cons
   s.time = ray.time;
 }
 
-bool Geometry::has_strands() const {
-  return std::ranges::any_of(instances_, [this](const PlacedInstance& instance) {
-    return meshes_[instance.mesh]->strands != StrandShape::kNone;
-  });
-}
-
 uint32_t Geometry::triangles_of(uint32_t instance) const {
   const PlacedInstance& placed = instances_[instance];
   const bool visible = placed.render_from_object.determinant() != 0;
