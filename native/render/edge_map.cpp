@@ -19,6 +19,16 @@ constexpr uint64_t kPixelsPerTriangle = 2, kMostTriangles = 1 << 18;
 /// Of rounding, pixels.
 constexpr double kMargin = 0.01;
 
+/// Of `count` rows or columns, the first and the last whose centres lie between two places; none: first >
+/// last.
+struct Pixels {
+  double first, last;
+
+  Pixels(double low, double high, uint32_t count)
+      : first(std::max(std::ceil(low - 0.5), 0.0)),
+        last(std::min(std::floor(high - 0.5), double(count) - 1)) {}
+};
+
 }  // namespace
 
 EdgeMap::EdgeMap(const Geometry& geometry, const CameraRays& camera, const std::vector<Luminaire>& luminaires,
@@ -44,11 +54,10 @@ EdgeMap::EdgeMap(const Geometry& geometry, const CameraRays& camera, const std::
 
 /// Pixels of a row whose centres lie between two columns' places.
 void EdgeMap::mark(uint32_t row, double left, double right) {
-  const double first = std::max(std::ceil(left - 0.5), 0.0),
-               last = std::min(std::floor(right - 0.5), double(width_) - 1);
-  if (first <= last)
-    std::fill_n(marked_.begin() + ptrdiff_t(size_t(row) * width_ + size_t(first)), size_t(last - first) + 1,
-                uint8_t(1));
+  const Pixels columns(left, right, width_);
+  if (columns.first <= columns.last)
+    std::fill_n(marked_.begin() + ptrdiff_t(size_t(row) * width_ + size_t(columns.first)),
+                size_t(columns.last - columns.first) + 1, uint8_t(1));
 }
 
 /// Calls function with the ends, in the frame, of what is before the camera of a line in its space.
@@ -61,13 +70,12 @@ void EdgeMap::for_seen_part(const Vec3d& from, const Vec3d& to, Function functio
 }
 
 /// Pixels whose centres are less than `reach` from a line along both axes, and some beside its ends.
-void EdgeMap::mark_line(Vec3d from, Vec3d to, double reach) {
+void EdgeMap::mark_line(const Vec3d& from, const Vec3d& to, double reach) {
   for_seen_part(camera_.in_camera(from), camera_.in_camera(to), [&](Vec3d a, Vec3d b) {
     if (a.y > b.y) std::swap(a, b);
-    const double first = std::max(std::ceil(a.y - reach - 0.5), 0.0),
-                 last = std::min(std::floor(b.y + reach - 0.5), double(height_) - 1);
+    const Pixels rows(a.y - reach, b.y + reach, height_);
     const double slope = b.y > a.y ? (b.x - a.x) / (b.y - a.y) : 0;
-    for (double row = first; row <= last; ++row) {
+    for (double row = rows.first; row <= rows.last; ++row) {
       // Where the line enters and leaves what is so near to the row.
       const double low = std::max(row + 0.5 - reach, a.y), high = std::min(row + 0.5 + reach, b.y);
       const double in = slope == 0 ? a.x : a.x + (low - a.y) * slope,
@@ -87,9 +95,9 @@ void EdgeMap::mark_box(const Box& box, double reach) {
         for_seen_part(camera_.in_camera(corners[i]), camera_.in_camera(corners[i | bit]),
                       [&seen](const Vec3d& a, const Vec3d& b) { seen.include(a), seen.include(b); });
   if (seen.empty()) return;
-  const double first = std::max(std::ceil(seen.low.y - reach - 0.5), 0.0),
-               last = std::min(std::floor(seen.high.y + reach - 0.5), double(height_) - 1);
-  for (double row = first; row <= last; ++row) mark(uint32_t(row), seen.low.x - reach, seen.high.x + reach);
+  const Pixels rows(seen.low.y - reach, seen.high.y + reach, height_);
+  for (double row = rows.first; row <= rows.last; ++row)
+    mark(uint32_t(row), seen.low.x - reach, seen.high.x + reach);
 }
 
 std::unique_ptr<const EdgeMap> make_edge_map(const Geometry& geometry, const CameraRays& camera,

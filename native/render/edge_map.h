@@ -26,7 +26,7 @@ class EdgeMap {
 
  private:
   void mark(uint32_t row, double left, double right);
-  void mark_line(Vec3d from, Vec3d to, double reach);
+  void mark_line(const Vec3d& from, const Vec3d& to, double reach);
   void mark_box(const Box& box, double reach);
   template <typename Function>
   void for_seen_part(const Vec3d& from, const Vec3d& to, Function function) const;

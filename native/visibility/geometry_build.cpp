@@ -181,10 +181,10 @@ const OccluderTree* Geometry::occluders() const {
       device_->memory.limit() > 0)
     return nullptr;
   std::call_once(occluders_wanted_, [this] {
-    std::vector<OccluderTree::Part> parts;
+    std::vector<const PlacedMesh*> meshes;
     for (const PlacedInstance& instance : instances_)
-      if (instance.render_from_object.determinant() != 0) parts.push_back({meshes_[instance.mesh].get()});
-    occluders_ = std::make_unique<OccluderTree>(*device_, parts);
+      if (instance.render_from_object.determinant() != 0) meshes.push_back(meshes_[instance.mesh].get());
+    occluders_ = std::make_unique<OccluderTree>(*device_, meshes);
   });
   return occluders_.get();
 }

@@ -217,15 +217,15 @@ std::optional<LuminaireView> LuminaireView::from(const SurfacePoint& surface, co
                        kLeastSkew + (kMostSkew - kLeastSkew) * direction};
 }
 
-OccluderTree::OccluderTree(embree::CountedDevice& device, const std::vector<Part>& parts) {
+OccluderTree::OccluderTree(embree::CountedDevice& device, const std::vector<const PlacedMesh*>& meshes) {
   std::vector<RTCBuildPrimitive> primitives;
-  for (unsigned part = 0; part < parts.size(); ++part) {
-    const PlacedMesh& mesh = *parts[part].mesh;
+  for (unsigned number = 0; number < meshes.size(); ++number) {
+    const PlacedMesh& mesh = *meshes[number];
     for (unsigned i = 0; i < mesh.triangles.size(); ++i) {
       const auto& t = mesh.triangles[i];
       const Vec3f &a = mesh.positions[t[0]], &b = mesh.positions[t[1]], &c = mesh.positions[t[2]];
       primitives.push_back({std::min({a.x, b.x, c.x}), std::min({a.y, b.y, c.y}), std::min({a.z, b.z, c.z}),
-                            part, std::max({a.x, b.x, c.x}), std::max({a.y, b.y, c.y}),
+                            number, std::max({a.x, b.x, c.x}), std::max({a.y, b.y, c.y}),
                             std::max({a.z, b.z, c.z}), i});
     }
   }
@@ -263,7 +263,7 @@ OccluderTree::OccluderTree(embree::CountedDevice& device, const std::vector<Part
     auto* leaf = static_cast<Leaf*>(rtcThreadLocalAlloc(allocator, sizeof(Leaf), alignof(Leaf)));
     for (uint32_t i = 0; i < kWide; ++i) {
       const RTCBuildPrimitive& p = primitive[std::min<size_t>(i, count - 1)];
-      const PlacedMesh& mesh = *(*static_cast<const std::vector<Part>*>(user))[p.geomID].mesh;
+      const PlacedMesh& mesh = *(*static_cast<const std::vector<const PlacedMesh*>*>(user))[p.geomID];
       for (uint32_t k = 0; k < 3; ++k) {
         const Vec3f& corner = mesh.positions[mesh.triangles[p.primID][i < count ? k : 0]];
         leaf->corner[3 * k][i] = corner.x, leaf->corner[3 * k + 1][i] = corner.y,
@@ -272,7 +272,7 @@ OccluderTree::OccluderTree(embree::CountedDevice& device, const std::vector<Part
     }
     return reinterpret_cast<void*>(uintptr_t(leaf) | kLeaf);
   };
-  build.userPtr = const_cast<std::vector<Part>*>(&parts);
+  build.userPtr = const_cast<std::vector<const PlacedMesh*>*>(&meshes);
   if (!primitives.empty()) root_ = uintptr_t(rtcBuildBVH(&build));
   device.check_build("the occluders of luminaires");
 }

@@ -41,11 +41,8 @@ struct Occluder {
 /// Still, opaque triangles. Immutable.
 class OccluderTree {
  public:
-  struct Part {
-    const PlacedMesh* mesh;
-  };
-  /// Throws as CountedDevice::check_build.
-  OccluderTree(embree::CountedDevice& device, const std::vector<Part>& parts);
+  /// Of meshes whose positions are in render space. Throws as CountedDevice::check_build.
+  OccluderTree(embree::CountedDevice& device, const std::vector<const PlacedMesh*>& meshes);
 
   /// All triangles that may hide a part of the view's parallelogram above the horizon, each once, in an order
   /// that depends on the tree alone; false if there are more than `most`.

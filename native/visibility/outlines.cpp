@@ -2,8 +2,8 @@
 #include "visibility/outlines.h"
 
 #include <algorithm>
-#include <array>
 #include <numeric>
+#include <unordered_map>
 
 namespace penumbra {
 namespace {
@@ -73,10 +73,13 @@ bool shaded_as_one(const PlacedMesh& mesh, const MeshEdge& edge) {
 std::vector<OutlinePiece> find_outlines(const Geometry& geometry, const Eye& eye) {
   std::vector<OutlinePiece> outlines;
   std::vector<Facet> facets;
+  std::unordered_map<const PlacedMesh*, std::vector<MeshEdge>> edges;  // of meshes so far
   for (uint32_t i = 0; i < geometry.instances(); ++i) {
     const PlacedMesh& mesh = geometry.mesh_of(i);
     const uint32_t triangles = geometry.triangles_of(i);
-    if (triangles == 0 || mesh.strands != StrandShape::kNone) continue;
+    if (triangles == 0) continue;
+    const auto [of_mesh, is_new] = edges.try_emplace(&mesh);
+    if (is_new) of_mesh->second = edges_of(mesh);
     const Affine* render_from_mesh = geometry.placing_of(i);
     const Eye here = render_from_mesh ? eye.seen_from(*render_from_mesh) : eye;
     facets.clear();
@@ -88,7 +91,7 @@ std::vector<OutlinePiece> find_outlines(const Geometry& geometry, const Eye& eye
     const auto is_front = [&here](const Facet& f) {
       return dot(f.normal, here.parallel ? here.place : here.place - f.corner) > 0;
     };
-    for (const MeshEdge& edge : edges_of(mesh)) {
+    for (const MeshEdge& edge : of_mesh->second) {
       if (edge.other != MeshEdge::kNone) {
         const Facet &a = facets[edge.triangle], &b = facets[edge.other];
         if (is_front(a) == is_front(b) && same_surface(a, b) && step_between(a, b) <= kSmoothStep &&
